@@ -127,7 +127,7 @@ TEST_CASE("a box is the set of points from min to max, boundary included") {
     INFO(row.what);
     const auto crossing = row.box.first_crossing(row.ray, row.range);
     CHECK(row.box.intersect(row.ray, row.range) == row.expected);
-    if (crossing && row.expected) CHECK(crossing->part == row.face);
+    if (crossing && row.expected) CHECK(crossing->primitive == row.face);
   }
 }
 
@@ -145,7 +145,7 @@ TEST_CASE("t and the face where a ray enters or leaves a box of small whole numb
     ++hits;
     touching += expected[0].t == expected[1].t;
     for (std::size_t end = 0; end < 2; ++end) {
-      wrong.add(found[end].part != expected[end].face, box, ray);
+      wrong.add(found[end].primitive != expected[end].face, box, ray);
       wrong.add(found[end].t != expected[end].t.rounded(), box, ray);
     }
   }
@@ -179,7 +179,7 @@ TEST_CASE(
     wrong.add(found.size() != expected.size(), box, ray);
     if (found.size() != expected.size()) continue;
     for (std::size_t end = 0; end < found.size(); ++end)
-      wrong.add(found[end].part != expected[end].face, box, ray);
+      wrong.add(found[end].primitive != expected[end].face, box, ray);
   }
   CHECK(hits > 1000);
   CHECK(misses > 1000);
@@ -199,13 +199,13 @@ TEST_CASE("a hit on a box lies on the face that it names, which the ray enters o
     ++hits;
     const auto [entry, exit] = std::pair{found.at(0), found.at(1)};
     wrong.add(!(entry.t <= exit.t), box, ray);
-    wrong.add(!(dot(box.normal_at({}, entry.part), ray.direction) < 0), box, ray);
-    wrong.add(!(dot(box.normal_at({}, exit.part), ray.direction) > 0), box, ray);
+    wrong.add(!(dot(box.normal_at({}, entry.primitive), ray.direction) < 0), box, ray);
+    wrong.add(!(dot(box.normal_at({}, exit.primitive), ray.direction) > 0), box, ray);
     for (const Crossing& crossing : found) {
       const Point point = ray.at(crossing.t);
-      const int axis = crossing.part / 2;
-      wrong.add(!(std::abs(point[axis] - (crossing.part % 2 ? box.max : box.min)[axis]) < 16 * ulp), box, ray,
-                point);
+      const int axis = crossing.primitive / 2;
+      wrong.add(!(std::abs(point[axis] - (crossing.primitive % 2 ? box.max : box.min)[axis]) < 16 * ulp), box,
+                ray, point);
       for (int other = 0; other < 3; ++other)
         wrong.add(!(box.min[other] - 16 * ulp < point[other] && point[other] < box.max[other] + 16 * ulp),
                   box, ray, point);
@@ -331,14 +331,14 @@ TEST_CASE("a ray that leaves a box hits it again only if it leads inwards, and t
     const Point inside = 0.5 * (box.min + box.max), origin = far + random.point(10);
     const Ray ray{origin, inside - origin};
     for (const Crossing& crossing : crossings(box, ray)) {
-      const Ray left{ray.at(crossing.t), random.direction(), box.departure(crossing.part)};
+      const Ray left{ray.at(crossing.t), random.direction(), box.departure(crossing.primitive)};
       const auto ahead = crossings(box, left, {});
-      const bool is_inwards = dot(left.direction, box.normal_at({}, crossing.part)) < 0;
+      const bool is_inwards = dot(left.direction, box.normal_at({}, crossing.primitive)) < 0;
       ++(is_inwards ? inwards : outwards);
       wrong.add(ahead.size() != (is_inwards ? 1 : 0), box, ray, left);
       // Except for the face that is left, crossings are those of a ray without a departure.
       if (ahead.size() == 1)
-        wrong.add(ahead[0].part == crossing.part ||
+        wrong.add(ahead[0].primitive == crossing.primitive ||
                       ahead[0].t != crossings(box, {left.origin, left.direction}).back().t,
                   box, ray, left);
     }
@@ -358,20 +358,20 @@ TEST_CASE(
     // The origins are a little above or below the plane, as rounding leaves them.
     for (const double off : {-1e-17, 0.0, 1e-17}) {
       CHECK(crossings(box, {{0, off, 0}, {0.1, 1, 0}, departure}, {}).size() == 1);
-      CHECK(crossings(box, {{0, off, 0}, {0.1, 1, 0}, departure}, {})[0].part == 3);
+      CHECK(crossings(box, {{0, off, 0}, {0.1, 1, 0}, departure}, {})[0].primitive == 3);
       CHECK(crossings(box, {{0, off, 0}, {0.1, -1, 0}, departure}).empty());
       CHECK(crossings(box, {{0, off, 0}, {1, 0, 0}, departure}).empty());
       CHECK(crossings(box, {{-3, off, 0}, {1, 0, 0}, departure}).empty());
       const auto beside = crossings(box, {{-3, off, 0}, {4, 1, 0}, departure}, {});
       REQUIRE(beside.size() == 2);
-      CHECK(beside[0].part == 0);
+      CHECK(beside[0].primitive == 0);
     }
   }
   // By its departure the origin is in the floor, and by its coordinates beside the box; from there the ray
   // rises into the box through a side face.
   const auto through_side = crossings(box, {{-1 - ulp, -ulp, 0}, {1, 1, 0}, floor}, {});
   REQUIRE(through_side.size() == 2);
-  CHECK(through_side[0].part == 0);
+  CHECK(through_side[0].primitive == 0);
   const Departure other = Plane{{0, 1, 0}, 0x1p-60}.departure();
   CHECK(crossings(box, {{0, -1e-17, 0}, {0.1, 1, 0}, other}, {}).size() == 2);
   // Both faces of a flat box lie in the plane of the floor.

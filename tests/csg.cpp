@@ -340,7 +340,7 @@ TEST_CASE("crossings of a ray that leaves a CSG tree of whole numbers agree with
         for (const Surd& s : judged_crossings(g.judged, leaves, p, onwards))
           if (compare(s, {0, 0, 1, 0}) > 0) expected.push_back(s);
         ++left;
-        const Ray ray{vector_of(p), vector_of(onwards), g.tree.departure(crossing.part)};
+        const Ray ray{vector_of(p), vector_of(onwards), g.tree.departure(crossing.primitive)};
         // Drops crossings at the smallest t, which a box reports if it is left in an edge (Box).
         std::vector<double> found = crossings_of_solid(g.tree, ray);
         std::erase(found, std::numeric_limits<double>::denorm_min());
@@ -366,11 +366,11 @@ TEST_CASE(
     const auto crossing = tree.first_crossing(ray, {});
     if (!crossing) continue;
     const Point p = ray.at(crossing->t);
-    const Vec3 normal = tree.normal_at(p, crossing->part), onwards = random.direction();
+    const Vec3 normal = tree.normal_at(p, crossing->primitive), onwards = random.direction();
     const double slope = dot(onwards, normal);
     if (std::abs(slope) < 1e-6) continue;
     in += slope<0, out += slope> 0;
-    wrong.add(crossings_of_solid(tree, {p, onwards, tree.departure(crossing->part)}).size() % 2 !=
+    wrong.add(crossings_of_solid(tree, {p, onwards, tree.departure(crossing->primitive)}).size() % 2 !=
                   (slope < 0 ? 1 : 0),
               ray, p, slope);
   }
@@ -407,7 +407,7 @@ TEST_CASE("an unbounded solid works in a CSG tree like others, in front of a ray
     if (c.t == 2.5) wall = c;
   });
   REQUIRE(wall);
-  const Departure departure = pierced.departure(wall->part);
+  const Departure departure = pierced.departure(wall->primitive);
   CHECK(crossings_of_solid(pierced, {{0, -0.5, 0}, {0, 1, 0}, departure}) == std::vector<double>{1, 1.5});
   CHECK(crossings_of_solid(pierced, {{0, -0.5, 0}, {0, -1, 0}, departure}) == std::vector<double>{0.5});
   CHECK(crossings_of_solid(pierced, {{0, -0.5, 0}, {1, 0.5, 0}, departure}).empty());
@@ -418,7 +418,7 @@ TEST_CASE("the normal of a CSG tree points outwards, also where a solid is subtr
   std::vector<double> normals;
   const Ray ray = along_x(-5);
   shell.each_crossing(ray, {}, [&](const Crossing& c) {
-    const Vec3 n = shell.normal_at(ray.at(c.t), c.part);
+    const Vec3 n = shell.normal_at(ray.at(c.t), c.primitive);
     CHECK(n == Vec3{n.x, 0, 0});
     normals.push_back(n.x);
   });
@@ -435,7 +435,7 @@ TEST_CASE("the normal of a CSG tree points outwards, also where a solid is subtr
     const Ray line{origin, random.point(2) - origin};
     bool leads_in = true;
     g.tree.each_crossing(line, everywhere, [&](const Crossing& c) {
-      const Vec3 n = g.tree.normal_at(line.at(c.t), c.part);
+      const Vec3 n = g.tree.normal_at(line.at(c.t), c.primitive);
       // A ball's normal is off by (2^-30 T + u (T + P)) / r + 4u (docs/derivations.md, The normal). Here r is
       // at least 2, and all is within 16 of the coordinate origin, so that T + P is below 48. The length
       // rounds by 3u: 24u + 4u + 3u < 2^-48.
@@ -450,22 +450,23 @@ TEST_CASE("the normal of a CSG tree points outwards, also where a solid is subtr
   CHECK(wrong == 0);
 }
 
-TEST_CASE("the parts of a CSG tree are those of its solids, with their normals, coordinates and departures") {
+TEST_CASE(
+    "the primitives of a CSG tree are those of its solids, with their normals, coordinates and departures") {
   const Csg tree = union_of({Sphere{}, difference_of({Box{{0, -3, -3}, {4, 3, 3}}, Sphere{{4, 0, 0}, 1}})});
-  CHECK(tree.part_count() == 8);
+  CHECK(tree.primitive_count() == 8);
   CHECK(tree.has_uv());
-  std::vector<int> parts;
+  std::vector<int> primitives;
   const Ray ray = along_x(-5);
-  tree.each_crossing(ray, {}, [&](const Crossing& c) { parts.push_back(c.part); });
-  // Part 0 is the sphere, 1 to 6 are the faces of the box, and 7 is the cavity. The face at x = 0 is inside
-  // the sphere.
-  CHECK(parts == std::vector<int>{0, 7});
+  tree.each_crossing(ray, {}, [&](const Crossing& c) { primitives.push_back(c.primitive); });
+  // Primitive 0 is the sphere, 1 to 6 are the faces of the box, and 7 is the cavity. The face at x = 0 is
+  // inside the sphere.
+  CHECK(primitives == std::vector<int>{0, 7});
   CHECK(tree.departure(0) == Sphere{}.departure());
   CHECK(tree.departure(7) == Sphere{{4, 0, 0}, 1}.departure());
-  parts.clear();
+  primitives.clear();
   const Ray beside = along_x(-5, 2, 1);
-  tree.each_crossing(beside, {}, [&](const Crossing& c) { parts.push_back(c.part); });
-  CHECK(parts == std::vector<int>{1, 2});
+  tree.each_crossing(beside, {}, [&](const Crossing& c) { primitives.push_back(c.primitive); });
+  CHECK(primitives == std::vector<int>{1, 2});
   CHECK(tree.normal_at({0, 2, 1}, 1) == Vec3{-1, 0, 0});
   CHECK(tree.normal_at({4, 2, 1}, 2) == Vec3{1, 0, 0});
   CHECK(tree.uv_at({4, 2, 1}, 2) == Box{{0, -3, -3}, {4, 3, 3}}.uv_at({4, 2, 1}, 1));
@@ -480,7 +481,7 @@ TEST_CASE("where faces coincide, the hit names a face at which the CSG tree begi
   std::vector<Vec3> normals;
   const Ray ray = along_x(-5);
   tree.each_crossing(ray, {},
-                     [&](const Crossing& c) { normals.push_back(tree.normal_at(ray.at(c.t), c.part)); });
+                     [&](const Crossing& c) { normals.push_back(tree.normal_at(ray.at(c.t), c.primitive)); });
   CHECK(normals == std::vector<Vec3>{{-1, 0, 0}, {1, 0, 0}});
 }
 
@@ -503,23 +504,23 @@ TEST_CASE("a CSG tree may consist of AnySurface, of instances and of a thousand 
   CHECK(crossings_of_solid(union_of(std::move(many)), along_x(-1)).size() == 6000);
 }
 
-TEST_CASE("numbers of parts add up, however deep CSG trees and instances of them are nested") {
+TEST_CASE("numbers of primitives add up, however deep CSG trees and instances of them are nested") {
   Csg tree = ball(0, 0.5);
   for (int i = 1; i <= 100; ++i)
     tree = union_of({ball(0), Instance<>(std::move(tree), Affine{}.moved_by({4, 0, 0}))});
-  CHECK(tree.part_count() == 101);
-  std::vector<int> parts;
+  CHECK(tree.primitive_count() == 101);
+  std::vector<int> primitives;
   const Ray ray = along_x(-5);
   double last = -9;
   tree.each_crossing(ray, {}, [&](const Crossing& c) {
-    parts.push_back(c.part);
-    const Vec3 n = tree.normal_at(ray.at(c.t), c.part);
-    CHECK(n == Vec3{parts.size() % 2 == 0 ? 1 : -1, 0, 0});
+    primitives.push_back(c.primitive);
+    const Vec3 n = tree.normal_at(ray.at(c.t), c.primitive);
+    CHECK(n == Vec3{primitives.size() % 2 == 0 ? 1 : -1, 0, 0});
     CHECK(c.t > last);
     last = c.t;
   });
-  REQUIRE(parts.size() == 202);
-  for (int i = 0; i < 202; ++i) CHECK(parts[static_cast<std::size_t>(i)] == i / 2);
+  REQUIRE(primitives.size() == 202);
+  for (int i = 0; i < 202; ++i) CHECK(primitives[static_cast<std::size_t>(i)] == i / 2);
 }
 
 TEST_CASE("the bounds of a CSG tree contain what is left of its solids") {
@@ -571,11 +572,14 @@ TEST_CASE("an invalid CSG tree is refused") {
              ContainsSubstring("Sphere: radius"));
   static_assert(!std::is_constructible_v<Csg, Plane> && !std::is_constructible_v<Csg, TwoPlates>);
 
-  struct Large : HalfSpace {  // a solid of 2^30 parts
+  struct Large : HalfSpace {  // a solid of 2^30 primitives
     Vec3 normal_at(Point p, int) const { return plane.normal_at(p); }
     Departure departure(int) const { return plane.departure(); }
-    int part_count() const { return 1 << 30; }
+    int primitive_count() const { return 1 << 30; }
   };
   CHECK_NOTHROW(union_of({Large{}, ball(0)}));
-  CHECK_THAT(says([] { return union_of({Large{}, ball(0), Large{}}); }), ContainsSubstring("2^31 - 1 parts"));
+  CHECK_THAT(says([] {
+               return union_of({Large{}, ball(0), Large{}});
+             }),
+             ContainsSubstring("2^31 - 1 primitives"));
 }

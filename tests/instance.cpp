@@ -257,14 +257,14 @@ TEST_CASE("a ray that leaves an instance never hits it again outwards, and once 
 }
 
 TEST_CASE(
-    "an instance of an instance, or of AnySurface, has the parts, coordinates and departures of its "
+    "an instance of an instance, or of AnySurface, has the primitives, coordinates and departures of its "
     "surface") {
   const Instance<> plates(Instance(TwoPlates{}, Affine{}.scaled_by({2, 2, 2})), Affine{}.moved_by({0, 0, 4}));
-  CHECK(plates.has_parts());
+  CHECK(plates.has_primitives());
   CHECK(plates.has_uv());
-  CHECK_FALSE(Instance(Plane{}, {}).has_parts());
+  CHECK_FALSE(Instance(Plane{}, {}).has_primitives());
   std::vector<std::pair<double, int>> crossed;
-  plates.each_crossing(ray_along_z, {}, [&](const Crossing& c) { crossed.push_back({c.t, c.part}); });
+  plates.each_crossing(ray_along_z, {}, [&](const Crossing& c) { crossed.push_back({c.t, c.primitive}); });
   CHECK(crossed == std::vector<std::pair<double, int>>{{4, 0}, {6, 1}});
   CHECK(plates.normal_at({0, 0, 4}, 0) == Vec3{0, 0, -1});
   CHECK(plates.normal_at({0, 0, 6}, 1) == Vec3{0, 0, 1});
@@ -363,7 +363,7 @@ TEST_CASE(
     int crossed = 0;
     box.each_crossing({on, up, board.departure()}, {}, [&](const Crossing& crossing) {
       ++crossed;
-      CHECK(crossing.part != 4);
+      CHECK(crossing.primitive != 4);
     });
     CHECK(crossed == 1);
     CHECK_FALSE(box.intersect({on, -up, board.departure()}));
@@ -431,7 +431,7 @@ TEST_CASE("an instance of a mesh is as watertight as the mesh, from any distance
       int count = 0, last = 0;
       bool alternates = true;
       instance.each_crossing(ray, everywhere, [&](const Crossing& crossing) {
-        const Triangle t = ball.data().triangle(static_cast<std::size_t>(crossing.part));
+        const Triangle t = ball.data().triangle(static_cast<std::size_t>(crossing.primitive));
         const int side = triangle_plane_equation(line, t.a, t.b, t.c).slope.sign();
         alternates = alternates && side != 0 && side != last;
         last = side;

@@ -113,7 +113,7 @@ TEST_CASE("a marched sphere and a marched box are hit where the exact ones are")
     wrong.add(order(exact_root_of(root.min), truth) > 0 || order(truth, exact_root_of(root.max)) > 0, ray,
               root.min, root.max);
     const Point point = ray.at(root.t());
-    const Vec3 off = marched.normal_at(point) - normal_at(exact, point, crossing->part);
+    const Vec3 off = marched.normal_at(point) - normal_at(exact, point, crossing->primitive);
     normals.add(!(dot(off, off) < 1e-20), ray, point);
   };
   for (int i = 0; i < cases(400, 40000); ++i) {

@@ -32,20 +32,20 @@ MeshData one_triangle() { return {.vertices = {{0, 0, 3}, {2, 0, 3}, {0, 2, 3}},
 /// them starts at a point inside it (StartInTriangle).
 std::vector<Crossing> crossings_of_triangles(const Mesh& mesh, const Ray& ray, Interval range) {
   const MeshData& data = mesh.data();
-  const int left = ray.departure.is_planar() ? ray.departure.part : -1;
+  const int left = ray.departure.is_planar() ? ray.departure.primitive : -1;
   std::vector<Crossing> all;
-  for (int part = 0; part < mesh.part_count(); ++part) {
-    const Triangle triangle = data.triangle(static_cast<std::size_t>(part));
+  for (int primitive = 0; primitive < mesh.primitive_count(); ++primitive) {
+    const Triangle triangle = data.triangle(static_cast<std::size_t>(primitive));
     if (left < 0) {
       if (const auto crossing = first_crossing(triangle, ray, range))
-        all.push_back({.t = crossing->t, .part = part});
-    } else if (part != left) {
+        all.push_back({.t = crossing->t, .primitive = primitive});
+    } else if (primitive != left) {
       const StartInTriangle start(ray, data.triangle(static_cast<std::size_t>(left)));
       for (const double t : start.roots(ray, triangle)) {
         const ExactRoot root = start.exact_root(ray, triangle);
         if ((range.min == -infinity || order(exact_root_of(range.min), root) < 0) &&
             (range.max == infinity || order(root, exact_root_of(range.max)) < 0))
-          all.push_back({.t = t, .part = part});
+          all.push_back({.t = t, .primitive = primitive});
       }
     }
   }
@@ -56,7 +56,7 @@ std::vector<Crossing> crossings_of_triangles(const Mesh& mesh, const Ray& ray, I
 }
 
 bool are_equal_crossings(const Crossing& a, const Crossing& b) {
-  return a.t == b.t && a.root == b.root && a.part == b.part;
+  return a.t == b.t && a.root == b.root && a.primitive == b.primitive;
 }
 
 /// Returns random triangles, some of them twice, some without area.
@@ -91,7 +91,7 @@ TEST_CASE("a mesh is hit where one of its triangles is, whatever their orientati
   using Triangles = std::vector<std::array<std::uint32_t, 3>>;
   struct Met {
     double t;
-    int part;
+    int primitive;
     double normal_z;
   };
   // The corners of a square around (1, 1), and its middle. On an edge the ray's origin counts as moved by (ε,
@@ -150,8 +150,8 @@ TEST_CASE("a mesh is hit where one of its triangles is, whatever their orientati
     CHECK(mesh.any_hit(row.ray, {}) == row.expected.has_value());
     if (!first) continue;
     CHECK(first->t == row.expected->t);
-    CHECK(first->part == row.expected->part);
-    CHECK(mesh.normal_at(row.ray.at(first->t), first->part) == Vec3{0, 0, row.expected->normal_z});
+    CHECK(first->primitive == row.expected->primitive);
+    CHECK(mesh.normal_at(row.ray.at(first->t), first->primitive) == Vec3{0, 0, row.expected->normal_z});
   }
 }
 
@@ -181,7 +181,7 @@ TEST_CASE("a mesh reports the crossings of its triangles in exact order, at equa
         wrong.add(mesh.any_hit(ray, range) == expected.empty(), ray, range);
         crossings += expected.size();
         if (!first) break;
-        ray = {ray.at(first->t), place(2), mesh.departure(first->part)};
+        ray = {ray.at(first->t), place(2), mesh.departure(first->primitive)};
         range = {};
       }
     }
@@ -193,7 +193,7 @@ TEST_CASE("a mesh reports the crossings of its triangles in exact order, at equa
 TEST_CASE("queries of a mesh for many rays answer each ray as a query by itself") {
   Random random(43);
   const auto answer = [](const std::optional<Crossing>& crossing) {
-    return crossing ? std::pair(crossing->part, crossing->t) : std::pair(-1, 0.0);
+    return crossing ? std::pair(crossing->primitive, crossing->t) : std::pair(-1, 0.0);
   };
   for (const MeshData& data : {soup(random, 60), meshes::torus(9, 7), one_triangle()}) {
     const Mesh mesh(data, {.threads = 1});

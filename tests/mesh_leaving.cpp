@@ -238,22 +238,22 @@ Vec3 direction_from(Random& random, const Triangle& triangle, unsigned flattest)
 template <Surface S>
 WrongCases disordered(const S& surface, const MeshData& data, bool is_room, Random& random, int& left) {
   WrongCases wrong(random);
-  const auto side = [&](const Vec3& direction, int part) {
-    return side_led_to(direction, data.triangle(static_cast<std::size_t>(part))) * (is_room ? -1 : 1);
+  const auto side = [&](const Vec3& direction, int primitive) {
+    return side_led_to(direction, data.triangle(static_cast<std::size_t>(primitive))) * (is_room ? -1 : 1);
   };
   for (int i = 0; i < cases(60, 250, 1000); ++i) {
     const Ray ray = aimed_at_border(random, data, 1, true);
     const auto hit = first_crossing(surface, ray, Interval{});
     if (!hit) continue;
-    const Triangle triangle = data.triangle(static_cast<std::size_t>(hit->part));
+    const Triangle triangle = data.triangle(static_cast<std::size_t>(hit->primitive));
     const Point point = ray.at(hit->t);
     const Ray to_border = aimed_at_border(random, data, 1, true);
     const Vec3 direction =
         random.bits() % 2 == 0 ? direction_from(random, triangle, 70) : to_border.at(1) - point;
-    const int from = side(direction, hit->part);
+    const int from = side(direction, hit->primitive);
     if (from == 0) continue;
     ++left;
-    const Ray leaving{point, direction, departure_of(surface, hit->part)};
+    const Ray leaving{point, direction, departure_of(surface, hit->primitive)};
     std::vector<Crossing> crossings;
     each_crossing(surface, leaving, Interval{},
                   [&](const Crossing& crossing) { crossings.push_back(crossing); });
@@ -262,14 +262,15 @@ WrongCases disordered(const S& surface, const MeshData& data, bool is_room, Rand
       int inside = from < 0 ? 1 : 0;
       for (std::size_t k = 0; k < crossings.size(); ++k) {
         is_wrong |= inside != 0 && inside != 1;
-        inside -= side(direction, crossings[k].part);
+        inside -= side(direction, crossings[k].primitive);
       }
       is_wrong |= inside != 0;
       const auto first = surface.first_crossing(leaving, {});
-      is_wrong |= first ? crossings.empty() || first->part != crossings[0].part : !crossings.empty();
+      is_wrong |=
+          first ? crossings.empty() || first->primitive != crossings[0].primitive : !crossings.empty();
       is_wrong |= surface.any_hit(leaving, {}) == crossings.empty();
     }
-    wrong.add(is_wrong, leaving, "part", hit->part);
+    wrong.add(is_wrong, leaving, "primitive", hit->primitive);
   }
   return wrong;
 }
@@ -317,8 +318,8 @@ TEST_CASE("rays from next to the bottom of a valley hit its other side if they l
         const Ray ray{origin, target - origin};
         const auto hit = mesh.first_crossing(ray, {});
         if (!hit) continue;  // it has passed along the edge, and hits neither side
-        const Triangle from = data.triangle(static_cast<std::size_t>(hit->part)),
-                       other = data.triangle(hit->part < 2 ? 2u : 0u);
+        const Triangle from = data.triangle(static_cast<std::size_t>(hit->primitive)),
+                       other = data.triangle(hit->primitive < 2 ? 2u : 0u);
         const Vec3 direction =
             direction_from(random, from, 30);  // the two triangles of a side are coplanar to 2^-36
         // Takes directions to the upper side of `from`. The other triangle is hit if they lead to its lower
@@ -326,12 +327,12 @@ TEST_CASE("rays from next to the bottom of a valley hit its other side if they l
         if (std::abs(dot(normalize(direction), normalize(along))) > 0.9 || side_led_to(direction, from) <= 0)
           continue;
         ++left;
-        const Ray leaving{ray.at(hit->t), direction, mesh.departure(hit->part)};
+        const Ray leaving{ray.at(hit->t), direction, mesh.departure(hit->primitive)};
         wrong.add(mesh.any_hit(leaving, {}) != (side_led_to(direction, other) < 0), from, ray, leaving,
                   direction);
         const auto next = mesh.first_crossing(leaving, {});
         wrong.add(next.has_value() != (side_led_to(direction, other) < 0), from, ray, leaving, direction);
-        wrong.add(next && (next->part < 2) == (hit->part < 2), from, ray, leaving);
+        wrong.add(next && (next->primitive < 2) == (hit->primitive < 2), from, ray, leaving);
         wrong.add(next && !(next->t > 0), from, ray, leaving);
       }
     }
@@ -358,7 +359,7 @@ TEST_CASE(
   };
   const auto wall = leaves_floor({1, 1, 0}, {1, 0, 0});
   REQUIRE(wall);
-  CHECK((wall->t == 1 && wall->part == 1));
+  CHECK((wall->t == 1 && wall->primitive == 1));
   Random random(74);
   int met = 0;
   WrongCases wrong(random);
@@ -369,7 +370,8 @@ TEST_CASE(
     const auto blade = first_crossing(data.triangle(2), ray, Interval{});
     met += blade.has_value();
     int crossings = 0;
-    mesh.each_crossing(ray, Interval{}, [&](const Crossing& crossing) { crossings += crossing.part == 2; });
+    mesh.each_crossing(ray, Interval{},
+                       [&](const Crossing& crossing) { crossings += crossing.primitive == 2; });
     wrong.add(crossings != (blade ? 1 : 0), ray);
   }
   CHECK(met > 500);
@@ -442,10 +444,10 @@ TEST_CASE(
   for (int i = 0; i < 100; ++i) {
     const double u = random.real(0.2, 0.4), v = random.real(0.2, 0.4);
     const Point place = u * Point{4, 1, 2} + v * Point{1, 3, 5};
-    for (int part = 0; part < 3; ++part) {
+    for (int primitive = 0; primitive < 3; ++primitive) {
       WrongCases on_plane(random);
-      mesh.each_crossing({place, random.direction(), mesh.departure(part)}, {-infinity, infinity},
-                         [&](const Crossing& crossing) { on_plane.add(crossing.part < 3, place); });
+      mesh.each_crossing({place, random.direction(), mesh.departure(primitive)}, {-infinity, infinity},
+                         [&](const Crossing& crossing) { on_plane.add(crossing.primitive < 3, place); });
       CHECK(on_plane == 0);
     }
   }

@@ -481,10 +481,10 @@ TEST_CASE("masked() keeps the lanes that are both active and chosen") {
 
 TEST_CASE("number_of and crossing_at convert a crossing without its t to a negative number and back") {
   for (const int root : {0, 1, 7, 2147483647})
-    for (const int part : {0, 1, 5, 2147483647, -1, -2147483647}) {
-      const std::int64_t number = simd::number_of({.t = 3, .root = root, .part = part});
+    for (const int primitive : {0, 1, 5, 2147483647, -1, -2147483647}) {
+      const std::int64_t number = simd::number_of({.t = 3, .root = root, .primitive = primitive});
       const Crossing crossing = simd::crossing_at(0.25, number);
       CHECK(number < 0);
-      CHECK((crossing.t == 0.25 && crossing.root == root && crossing.part == part));
+      CHECK((crossing.t == 0.25 && crossing.root == root && crossing.primitive == primitive));
     }
 }

@@ -119,10 +119,10 @@ class AreaLight {
     const auto [drawn, triangle] =
         known ? MeshSample{*known} : sample(at.hit.point(), numbers.x, numbers.y, at.hit.time());
     const Vec3& direction = drawn.direction;
-    return at.light_by_ray(direction, drawn.density, weight, [&, part = triangle] {
+    return at.light_by_ray(direction, drawn.density, weight, [&, primitive = triangle] {
       return follow(
           at.leave(direction), scene, [] { return Color{0}; },
-          [&](const Intersection& seen) { return is_hit(seen, part) ? emission_ : Color{0}; });
+          [&](const Intersection& seen) { return is_hit(seen, primitive) ? emission_ : Color{0}; });
     });
   }
 

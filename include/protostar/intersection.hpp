@@ -20,7 +20,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 struct Crossing {
   double t = 0;
   int root = 0;
-  int part = 0;  ///< index of the crossed primitive, as the surface counts them
+  int primitive = 0;  ///< index of the crossed primitive, as the surface counts them
 };
 
 /// Table of functions for a surface whose type is erased; their first argument is the surface, which
@@ -29,10 +29,10 @@ struct SurfaceFunctions {
   /// Returns the point of a moving surface that is at a place at a time, where it was made; the other
   /// functions take that. Null for surfaces that do not move.
   Point (*at_rest)(const void* surface, const Point& point, double time);
-  Vec3 (*normal_at)(const void* surface, const Point& point, int part);
-  Uv (*uv_at)(const void* surface, const Point& point, int part);
-  Tangents (*tangents_at)(const void* surface, const Point& point, int part);
-  Departure (*departure)(const void* surface, int part);
+  Vec3 (*normal_at)(const void* surface, const Point& point, int primitive);
+  Uv (*uv_at)(const void* surface, const Point& point, int primitive);
+  Tangents (*tangents_at)(const void* surface, const Point& point, int primitive);
+  Departure (*departure)(const void* surface, int primitive);
   ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
 };
 
@@ -52,8 +52,8 @@ namespace detail {
   // Surfaces that coincide exactly need no more arithmetic. If one of two planes is rounded, they may be left
   // together and be two nevertheless.
   if (a.crossing.root == b.crossing.root) {
-    const Departure left = a.functions->departure(a.surface, a.crossing.part),
-                    other = b.functions->departure(b.surface, b.crossing.part);
+    const Departure left = a.functions->departure(a.surface, a.crossing.primitive),
+                    other = b.functions->departure(b.surface, b.crossing.primitive);
     const auto is_exact = [](const Departure& one) { return one.kind != Departure::Kind::rounded_plane; };
     if (is_exact(left) && is_exact(other) && left == other) return false;
   }
@@ -67,10 +67,10 @@ namespace detail {
 /// own normal is given.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Vec3 mapped_normal(const NormalMap& map, const void* surface,
                                                                   const SurfaceFunctions& functions,
-                                                                  const Point& point, int part,
+                                                                  const Point& point, int primitive,
                                                                   const Vec3& normal) {
-  const Uv uv = functions.uv_at(surface, point, part);
-  return out_of_tangent_space(map(uv.x, uv.y), normal, functions.tangents_at(surface, point, part));
+  const Uv uv = functions.uv_at(surface, point, primitive);
+  return out_of_tangent_space(map(uv.x, uv.y), normal, functions.tangents_at(surface, point, primitive));
 }
 
 /// Returns true if a ray crosses a before b, decided by their t if the errors allow, otherwise exactly.
@@ -146,7 +146,7 @@ class Intersection {
 
   /// Returns the index of the primitive that is hit, as the surface counts them; 0 for a surface without
   /// primitives.
-  [[nodiscard]] int part() const { return on_.crossing.part; }
+  [[nodiscard]] int part() const { return on_.crossing.primitive; }
 
   /// Returns the surface's material.
   [[nodiscard]] const Material& material() const { return *on_.material; }

@@ -22,7 +22,7 @@ struct Departure {
   enum class Kind : std::uint8_t { none, object, sphere, plane, rounded_plane };
 
   Kind kind = Kind::none;
-  int part = 0;  ///< index of the primitive that is left, for a surface that recognizes itself by object
+  int primitive = 0;  ///< index of the primitive that is left, for a surface that recognizes itself by object
   /// Kind object: address of the surface itself. Otherwise the address of the box, instance or mesh that is
   /// left, by which it recognizes itself, while other surfaces recognize the geometry alone; null for all
   /// others.
@@ -42,13 +42,13 @@ struct Departure {
   /// Returns true if a surface that recognizes itself by its address is left.
   [[nodiscard]] bool is_from(const void* address) const { return kind == Kind::object && object == address; }
 
-  /// Returns true if both are of one geometry; for planes and spheres neither object nor part counts. For
-  /// planes the answer is exact if both equations are, which may be multiples of each other. If one is
+  /// Returns true if both are of one geometry; for planes and spheres neither object nor primitive counts.
+  /// For planes the answer is exact if both equations are, which may be multiples of each other. If one is
   /// rounded, equal planes are always found to be equal, and two others only if their equations are rounded
   /// to the same numbers: within the digits of a point, they are one.
   bool operator==(const Departure& other) const {
     if (kind == other.kind && geometry == other.geometry &&
-        (kind != Kind::object || (object == other.object && part == other.part)))
+        (kind != Kind::object || (object == other.object && primitive == other.primitive)))
       return true;
     return is_planar() && other.is_planar() && is_one_plane_with(other);
   }

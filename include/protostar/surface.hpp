@@ -28,18 +28,18 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Returns the unit normal at a point of a surface, or of a primitive of it.
 template <Surface S>
-[[nodiscard]] Vec3 normal_at(const S& surface, const Point& point, int part) {
-  if constexpr (is_made_of_parts<S>)
-    return surface.normal_at(point, part);
+[[nodiscard]] Vec3 normal_at(const S& surface, const Point& point, int primitive) {
+  if constexpr (is_made_of_primitives<S>)
+    return surface.normal_at(point, primitive);
   else
     return surface.normal_at(point);
 }
 
 /// Returns the coordinates of a point of a surface, or of a primitive of it; 0 and 0 if it has none.
 template <Surface S>
-[[nodiscard]] Uv uv_at(const S& surface, const Point& point, int part) {
-  if constexpr (knows_uv<S> && is_made_of_parts<S>)
-    return surface.uv_at(point, part);
+[[nodiscard]] Uv uv_at(const S& surface, const Point& point, int primitive) {
+  if constexpr (knows_uv<S> && is_made_of_primitives<S>)
+    return surface.uv_at(point, primitive);
   else if constexpr (knows_uv<S>)
     return surface.uv_at(point);
   else
@@ -49,9 +49,9 @@ template <Surface S>
 /// Returns the directions of the coordinates at a point of a surface, or of a primitive of it; 0 and 0 if it
 /// does not know them.
 template <Surface S>
-[[nodiscard]] Tangents tangents_at(const S& surface, const Point& point, int part) {
-  if constexpr (knows_tangents<S> && is_made_of_parts<S>)
-    return surface.tangents_at(point, part);
+[[nodiscard]] Tangents tangents_at(const S& surface, const Point& point, int primitive) {
+  if constexpr (knows_tangents<S> && is_made_of_primitives<S>)
+    return surface.tangents_at(point, primitive);
   else if constexpr (knows_tangents<S>)
     return surface.tangents_at(point);
   else
@@ -61,10 +61,10 @@ template <Surface S>
 /// Returns the departure of a ray that leaves a surface, or a primitive of it: the surface's own departure,
 /// or else the object itself. It names the surface.
 template <Surface S>
-[[nodiscard]] Departure departure_of(const S& surface, int part = 0) {
+[[nodiscard]] Departure departure_of(const S& surface, int primitive = 0) {
   Departure departure{.kind = Departure::Kind::object, .object = &surface};
-  if constexpr (is_made_of_parts<S>)
-    departure = surface.departure(part);
+  if constexpr (is_made_of_primitives<S>)
+    departure = surface.departure(primitive);
   else if constexpr (knows_departure<S>)
     departure = surface.departure();
   departure.surface = &surface;
@@ -365,16 +365,17 @@ inline constexpr SurfaceFunctions functions_of{
             };
           return at_rest;
         }(),
-    .normal_at = [](const void* s, const Point& p, int part) -> Vec3 {
-      return normal_at(*static_cast<const S*>(s), p, part);
+    .normal_at = [](const void* s, const Point& p, int primitive) -> Vec3 {
+      return normal_at(*static_cast<const S*>(s), p, primitive);
     },
-    .uv_at = [](const void* s, const Point& p, int part) -> Uv {
-      return uv_at(*static_cast<const S*>(s), p, part);
+    .uv_at = [](const void* s, const Point& p, int primitive) -> Uv {
+      return uv_at(*static_cast<const S*>(s), p, primitive);
     },
-    .tangents_at = [](const void* s, const Point& p, int part) -> Tangents {
-      return tangents_at(*static_cast<const S*>(s), p, part);
+    .tangents_at = [](const void* s, const Point& p, int primitive) -> Tangents {
+      return tangents_at(*static_cast<const S*>(s), p, primitive);
     },
-    .departure = [](const void* s, int part) { return departure_of(*static_cast<const S*>(s), part); },
+    .departure = [](const void* s,
+                    int primitive) { return departure_of(*static_cast<const S*>(s), primitive); },
     .exact_root =
         [](const void* s, const Ray& ray, const Crossing& crossing) {
           return exact_root(*static_cast<const S*>(s), ray, crossing);
@@ -384,7 +385,7 @@ inline constexpr SurfaceFunctions functions_of{
 template <Surface S>
 [[nodiscard]] SurfaceCrossing crossing_on(const S& surface, const Crossing& crossing,
                                           const Material& material) {
-  return {.crossing = {crossing.t, crossing.root, crossing.part},
+  return {.crossing = {crossing.t, crossing.root, crossing.primitive},
           .surface = &surface,
           .functions = &functions_of<S>,
           .material = &material};

@@ -33,7 +33,7 @@ inline constexpr bool has_normal = requires(const S& surface, Point point) {
   { surface.normal_at(point) } -> std::convertible_to<Vec3>;
 };
 template <class S>
-inline constexpr bool has_normal_of_parts = requires(const S& surface, Point point) {
+inline constexpr bool has_normal_of_primitives = requires(const S& surface, Point point) {
   { surface.normal_at(point, 0) } -> std::convertible_to<Vec3>;
 };
 template <class S>
@@ -41,8 +41,8 @@ inline constexpr bool has_ends_inside = requires(const S& surface, const Ray& ra
   { surface.ends_inside(ray) } -> std::same_as<bool>;
 };
 template <class S>
-inline constexpr bool has_part_count = requires(const S& surface) {
-  { surface.part_count() } -> std::same_as<int>;
+inline constexpr bool has_primitive_count = requires(const S& surface) {
+  { surface.primitive_count() } -> std::same_as<int>;
 };
 
 }  // namespace detail
@@ -57,10 +57,10 @@ inline constexpr bool has_part_count = requires(const S& surface) {
 /// alike each time. `static_assert(Surface<Mine>)` checks a type of your own.
 ///
 /// If a surface is made of primitives, as a mesh is of triangles, its functions of a point or a departure
-/// take the index of the primitive as well: normal_at(point, part). Its crossings hold that index.
+/// take the index of the primitive as well: normal_at(point, primitive). Its crossings hold that index.
 template <class S>
 concept Surface = std::copy_constructible<S> && detail::has_intersect<S> &&
-    (detail::has_normal<S> || detail::has_normal_of_parts<S>);
+    (detail::has_normal<S> || detail::has_normal_of_primitives<S>);
 
 /// Surface with bounds: every crossing that it reports is inside them, and the traversal finds it through
 /// them. Bounds that are rounded must be widened (outward).
@@ -118,22 +118,22 @@ concept CompositeSurface = Surface<S> &&
 
 /// Boundary of a closed solid: each crossing of a line leads into it or out of it, and a tangent line has two
 /// crossings where it touches. ends_inside tells if the far end of a ray, t → ∞, is inside, which is never so
-/// for a bounded solid. A solid made of primitives has part_count.
+/// for a bounded solid. A solid made of primitives has primitive_count.
 template <class S>
 concept Solid = Surface<S> && detail::has_ends_inside<S> &&
-    (!requires(const S& surface) { surface.departure(0); } || detail::has_part_count<S>);
+    (!requires(const S& surface) { surface.departure(0); } || detail::has_primitive_count<S>);
 
 /// True for a surface made of primitives: its functions take the index of one.
 template <class S>
-inline constexpr bool is_made_of_parts =
-    Surface<S>&& detail::has_normal_of_parts<S>&& requires(const S& surface) {
+inline constexpr bool is_made_of_primitives =
+    Surface<S>&& detail::has_normal_of_primitives<S>&& requires(const S& surface) {
   { surface.departure(0) } -> std::same_as<Departure>;
 };
 
 /// True for a surface that says which geometry a ray leaving it departs from, and that omits the root t = 0
 /// for a ray with that departure.
 template <class S>
-inline constexpr bool knows_departure = is_made_of_parts<S> || requires(const S& surface) {
+inline constexpr bool knows_departure = is_made_of_primitives<S> || requires(const S& surface) {
   { surface.departure() } -> std::same_as<Departure>;
 };
 
@@ -142,7 +142,7 @@ template <class S>
 inline constexpr bool knows_uv = requires(const S& surface, const Point& point) {
   { surface.uv_at(point) } -> std::same_as<Uv>;
 }
-|| (is_made_of_parts<S> && requires(const S& surface, const Point& point) {
+|| (is_made_of_primitives<S> && requires(const S& surface, const Point& point) {
   { surface.uv_at(point, 0) } -> std::same_as<Uv>;
 });
 
@@ -161,7 +161,7 @@ template <class S>
 inline constexpr bool knows_tangents = requires(const S& surface, const Point& point) {
   { surface.tangents_at(point) } -> std::same_as<Tangents>;
 }
-|| (is_made_of_parts<S> && requires(const S& surface, const Point& point) {
+|| (is_made_of_primitives<S> && requires(const S& surface, const Point& point) {
   { surface.tangents_at(point, 0) } -> std::same_as<Tangents>;
 });
 
@@ -209,21 +209,21 @@ template <Surface S>
 }
 
 /// Returns true if the crossings of a surface are on primitives of it. A type that holds other surfaces may
-/// tell for each object, by has_parts().
+/// tell for each object, by has_primitives().
 template <Surface S>
-[[nodiscard]] bool has_parts(const S& surface) {
-  if constexpr (requires { surface.has_parts(); })
-    return surface.has_parts();
+[[nodiscard]] bool has_primitives(const S& surface) {
+  if constexpr (requires { surface.has_primitives(); })
+    return surface.has_primitives();
   else
-    return is_made_of_parts<S>;
+    return is_made_of_primitives<S>;
 }
 
 /// Returns true if the normal is the same at all points of a primitive, so that it is computed once for all
-/// rays that hit it. A surface says so, by has_flat_parts(), if that pays.
+/// rays that hit it. A surface says so, by has_flat_primitives(), if that pays.
 template <Surface S>
-[[nodiscard]] bool has_flat_parts(const S& surface) {
-  if constexpr (requires { surface.has_flat_parts(); })
-    return surface.has_flat_parts();
+[[nodiscard]] bool has_flat_primitives(const S& surface) {
+  if constexpr (requires { surface.has_flat_primitives(); })
+    return surface.has_flat_primitives();
   else
     return false;
 }
@@ -249,9 +249,9 @@ template <Surface S>
 
 /// Returns the number of a solid's primitives: 1 for a solid that is not made of primitives.
 template <Surface S>
-[[nodiscard]] int part_count(const S& surface) {
-  if constexpr (requires { surface.part_count(); })
-    return surface.part_count();
+[[nodiscard]] int primitive_count(const S& surface) {
+  if constexpr (requires { surface.primitive_count(); })
+    return surface.primitive_count();
   else
     return 1;
 }
@@ -272,11 +272,11 @@ struct SurfaceRequirements {
   static_assert(
       has_intersect<S>,
       "Surface: the type has no intersect(const Ray&, Interval) const that returns std::optional<double>");
-  static_assert(has_normal<S> || has_normal_of_parts<S>,
+  static_assert(has_normal<S> || has_normal_of_primitives<S>,
                 "Surface: the type has no normal_at(Point) const that returns a Vec3");
-  static_assert(
-      has_normal<S> || !has_normal_of_parts<S> || is_made_of_parts<S>,
-      "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const");
+  static_assert(has_normal<S> || !has_normal_of_primitives<S> || is_made_of_primitives<S>,
+                "Surface: the type has normal_at(Point, int) const, for primitives, but no Departure "
+                "departure(int) const");
 };
 
 /// Checks the members that a Surface may have: a function with such a name but another signature would be
@@ -287,7 +287,7 @@ struct SurfaceOffers : SurfaceRequirements<S> {
       SurfaceWithRoots<S> || !requires(S surface, const Ray& ray) { surface.roots(ray); },
       "Surface: roots(const Ray&) is not const or does not return Roots");
   static_assert(
-      has_normal_of_parts<S> || !requires(S surface, Point point) { surface.normal_at(point, 0); },
+      has_normal_of_primitives<S> || !requires(S surface, Point point) { surface.normal_at(point, 0); },
       "Surface: normal_at(Point, int) is not const or does not return a Vec3");
   static_assert(
       knows_departure<S> || !requires(S surface) { surface.departure(); },
@@ -306,8 +306,8 @@ struct SurfaceOffers : SurfaceRequirements<S> {
       "Surface: tangents_at(Point) is not const or does not return Tangents");
   static_assert(
       Solid<S> || !requires(S surface, const Ray& ray) { surface.ends_inside(ray); },
-      "Surface: ends_inside(const Ray&) is not const or does not return bool, or there are parts and "
-      "no int part_count() const");
+      "Surface: ends_inside(const Ray&) is not const or does not return bool, or there are primitives and "
+      "no int primitive_count() const");
 };
 
 /// Checks the members that a Solid needs beyond those of a Surface.
@@ -315,8 +315,8 @@ template <class S>
 struct SolidRequirements : SurfaceRequirements<S> {
   static_assert(!Surface<S> || has_ends_inside<S>,
                 "Solid: the surface has no bool ends_inside(const Ray&) const");
-  static_assert(!is_made_of_parts<S> || has_part_count<S>,
-                "Solid: the surface has parts, but no int part_count() const");
+  static_assert(!is_made_of_primitives<S> || has_primitive_count<S>,
+                "Solid: the surface has primitives, but no int primitive_count() const");
 };
 
 /// Type that is neither Other nor a Surface, but has one of a surface's functions: it is meant to be one.

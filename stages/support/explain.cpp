@@ -33,7 +33,7 @@ RayRecord& ExplainedScene::begin(RayRecord::Query query, const Ray& ray, Interva
   if (left == surfaces_.size()) return record;
   record.left = left;
   // The departure of a solid that is made of solids counts the parts of one of them.
-  record.left_part = before.hit && before.taken == record.left ? before.hit->part : ray.departure.part;
+  record.left_part = before.hit && before.taken == record.left ? before.hit->part : ray.departure.primitive;
   return record;
 }
 

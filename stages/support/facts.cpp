@@ -67,7 +67,7 @@ static Facts facts_of(const Csg& s) {
   }
   for (const Csg::Leaf& leaf : s.leaves()) {
     facts.numbers[3].values.push_back(leaf.node);
-    facts.numbers[4].values.push_back(leaf.first_part);
+    facts.numbers[4].values.push_back(leaf.first_primitive);
     facts.parts.push_back(facts_of(leaf.solid));
   }
   return facts;

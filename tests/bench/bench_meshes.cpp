@@ -73,7 +73,7 @@ class Contest {
     rendered("primary, render depth", DepthIntegrator{});
     const auto first = [&](const FloatRay& ray) {
       const auto crossing = mesh_.first_crossing(in_double(ray), {});
-      return crossing ? static_cast<Index>(crossing->part) : bench::nothing;
+      return crossing ? static_cast<Index>(crossing->primitive) : bench::nothing;
     };
     row_of_single("primary, single", camera_rays, &Embree::closest, true, first);
     const auto is_met = [&](const FloatRay& ray) {
@@ -85,7 +85,7 @@ class Contest {
                 [&](std::size_t count, const auto& ray, const auto& tell) {
                   mesh_.first_crossings(
                       count, ray, {}, [&](std::size_t k, const std::optional<Crossing>& crossing) {
-                        tell(k, crossing ? static_cast<Index>(crossing->part) : bench::nothing);
+                        tell(k, crossing ? static_cast<Index>(crossing->primitive) : bench::nothing);
                       });
                 });
     row_of_many("occlusion", segments, &Embree::any,

@@ -303,7 +303,7 @@ void csg_bowl(Drawing& drawing) {
   sketch.ray(ray, 3.7, Paint::ink, Stroke::bold);
   bowl.each_crossing(ray, {}, [&](const Crossing& crossing) {
     const Point p = ray.at(crossing.t);
-    sketch.arrow(p, p + 0.36 * bowl.normal_at(p, crossing.part), Paint::green, Stroke::bold);
+    sketch.arrow(p, p + 0.36 * bowl.normal_at(p, crossing.primitive), Paint::green, Stroke::bold);
     sketch.mark(p, Paint::red);
   });
   drawing.words({320, 336}, "green: normals, always out of what is left", Anchor::middle, Paint::green);

@@ -99,7 +99,7 @@ void vertex_normals(Drawing& drawing) {
       const Ray down{.origin = {2.56 * (i + 0.5) / steps - 1.28, 3, 0.1}, .direction = {0, -1, 0}};
       const auto hit = mesh.first_crossing(down, {}).value();
       const Point p = down.at(hit.t);
-      Vec3 n = mesh.normal_at(p, hit.part);
+      Vec3 n = mesh.normal_at(p, hit.primitive);
       if (n.y < 0) n = -n;
       const Place place = sketch.of({p.x, 0, 0});
       drawing.swatch({place.x - 3.5, 268}, 7, 40,

@@ -11,7 +11,7 @@ inline void read_any_obj(const std::string& text) {
   try {
     const Mesh mesh(mesh_from_obj(text, "mesh"), {.threads = 1});  // a mesh that was read is not refused
     mesh.each_crossing({Point{0}, {1, 2, 3}}, {}, [&](const Crossing& crossing) {
-      if (crossing.part < 0 || !is_finite(mesh.data().vertices.at(0))) __builtin_trap();
+      if (crossing.primitive < 0 || !is_finite(mesh.data().vertices.at(0))) __builtin_trap();
     });
   } catch (const std::runtime_error& error) {
     if (std::string(error.what()).size() > 1000) __builtin_trap();  // a message is shorter than long files

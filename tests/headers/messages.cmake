@@ -92,7 +92,7 @@ Scene<Parts> parts;
   Upwards "Surface: the type has no normal_at(Point) const that returns a Vec3"
   NotConst "Surface: the type has no intersect(const Ray&, Interval) const"
   Unique "Surface: the type cannot be copied"
-  Parts "Surface: the type has normal_at(Point, int) const, for parts, but no Departure departure(int) const")
+  Parts "Surface: the type has normal_at(Point, int) const, for primitives, but no Departure departure(int) const")
 # What a surface may have would be left aside where it is not what is asked for.
 expect_refusal(scene.hpp [[
 struct Rounded : Good { std::pair<double, double> roots(const Ray&) const { return {1, 2}; } };

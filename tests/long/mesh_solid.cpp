@@ -65,7 +65,7 @@ TEST_CASE("a closed mesh works in CSG trees like other solids") {
   const MeshData cube = meshes::box(1);  // equal to the box from −1 to 1
   const Mesh mesh(cube);
   CHECK(is_solid(mesh));
-  CHECK(mesh.part_count() == 48);
+  CHECK(mesh.primitive_count() == 48);
   const Box box{Point{-1}, Point{1}};
   Random random(86);
   int crossed = 0;
@@ -89,10 +89,10 @@ TEST_CASE("a closed mesh works in CSG trees like other solids") {
       if (!first || !same) continue;
       const Vec3 on = random.direction();
       const Point p = line.at(first->t);
-      wrong.add(of_mesh[k].normal_at(p, same->part) != of_box[k].normal_at(p, first->part), box, cut, line,
-                p);
-      wrong.add(crossings_of_solid(of_mesh[k], {p, on, of_mesh[k].departure(same->part)}) !=
-                    crossings_of_solid(of_box[k], {p, on, of_box[k].departure(first->part)}),
+      wrong.add(of_mesh[k].normal_at(p, same->primitive) != of_box[k].normal_at(p, first->primitive), box,
+                cut, line, p);
+      wrong.add(crossings_of_solid(of_mesh[k], {p, on, of_mesh[k].departure(same->primitive)}) !=
+                    crossings_of_solid(of_box[k], {p, on, of_box[k].departure(first->primitive)}),
                 box, cut, line, on, p);
     }
   }

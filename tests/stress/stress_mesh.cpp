@@ -233,11 +233,11 @@ class Judge {
     tally.crossings += crossings_.size();
     int inside = 0;
     for (std::size_t i = 0; i < crossings_.size();) {
-      const Plumb here = plumb(crossings_[i].part);
+      const Plumb here = plumb(crossings_[i].primitive);
       if (here.side() == 0) ++tally.disordered;  // a triangle that is seen edge-on leads nowhere
       inside -= here.side();
       for (++i; i < crossings_.size(); ++i) {
-        const Plumb next = plumb(crossings_[i].part);
+        const Plumb next = plumb(crossings_[i].primitive);
         const int order = here.order(next);
         if (order > 0) ++tally.disordered;
         if (order != 0) break;
@@ -252,12 +252,12 @@ class Judge {
   /// Checks that exactly one of the triangles around the target is crossed, if all are seen from one side.
   void judge_aim(Tally& tally) const {
     if (aimed_.at.empty()) return;
-    const auto side = [&](int part) { return plumb(part).side(); };
+    const auto side = [&](int primitive) { return plumb(primitive).side(); };
     const int seen = side(aimed_.at[0]);
     const auto begin = aimed_.at.begin(), end = aimed_.at.end();
-    if (seen == 0 || !std::all_of(begin, end, [&](int part) { return side(part) == seen; })) return;
+    if (seen == 0 || !std::all_of(begin, end, [&](int primitive) { return side(primitive) == seen; })) return;
     const auto crossed = std::count_if(crossings_.begin(), crossings_.end(), [&](const Crossing& crossing) {
-      return std::find(begin, end, crossing.part) != end;
+      return std::find(begin, end, crossing.primitive) != end;
     });
     if (crossed == 0) ++tally.slipped;
     if (crossed > 1) ++tally.twice;
@@ -276,7 +276,7 @@ class Judge {
     const bool is_before = coin(random);
     std::vector<Crossing> within;
     for (const Crossing& crossing : crossings_)
-      if (plumb(crossing.part).order(end) == (is_before ? -1 : 1)) within.push_back(crossing);
+      if (plumb(crossing.primitive).order(end) == (is_before ? -1 : 1)) within.push_back(crossing);
     ++tally.ranges;
     const Interval range = is_before ? Interval{0, end} : Interval{end, infinity};
     std::vector<Crossing> found;
@@ -285,8 +285,8 @@ class Judge {
   }
 
  private:
-  [[nodiscard]] Plumb plumb(int part) const {
-    return {aimed_.ray, mesh_.data().triangle(static_cast<std::size_t>(part))};
+  [[nodiscard]] Plumb plumb(int primitive) const {
+    return {aimed_.ray, mesh_.data().triangle(static_cast<std::size_t>(primitive))};
   }
 
   static double nudged(Random& random, double t) {
@@ -304,7 +304,7 @@ class Judge {
   }
 
   static bool is_first(const std::optional<Crossing>& first, const std::vector<Crossing>& all) {
-    return first ? !all.empty() && first->part == all[0].part : all.empty();
+    return first ? !all.empty() && first->primitive == all[0].primitive : all.empty();
   }
   [[nodiscard]] bool finds(const Interval& range, const std::vector<Crossing>& all) const {
     return is_first(mesh_.first_crossing(aimed_.ray, range), all) &&
@@ -312,7 +312,7 @@ class Judge {
   }
   static bool are_same(const std::vector<Crossing>& some, const std::vector<Crossing>& others) {
     return std::equal(some.begin(), some.end(), others.begin(), others.end(),
-                      [](const Crossing& a, const Crossing& b) { return a.part == b.part; });
+                      [](const Crossing& a, const Crossing& b) { return a.primitive == b.primitive; });
   }
 
   const Mesh& mesh_;
@@ -323,7 +323,7 @@ class Judge {
 /// Returns a ray that leaves a mesh at the hit of another one: in any direction, nearly along the triangle,
 /// or to a point on another triangle's edge.
 Ray leaving_ray(Random& random, const Mesh& mesh, const Ray& ray, const Crossing& met) {
-  const Triangle left = mesh.data().triangle(static_cast<std::size_t>(met.part));
+  const Triangle left = mesh.data().triangle(static_cast<std::size_t>(met.primitive));
   const Point from = ray.at(met.t);
   Vec3 direction = random.direction();
   if (const int kind = whole(random, 0, 2); kind == 0) {
@@ -333,16 +333,16 @@ Ray leaving_ray(Random& random, const Mesh& mesh, const Ray& ray, const Crossing
   } else if (kind == 1)
     direction = random.real(-1, 1) * (left.b - left.a) + random.real(-1, 1) * (left.c - left.a) +
                 std::ldexp(length(left.b - left.a), -whole(random, 0, 70)) * direction;
-  return {from, direction, mesh.departure(met.part)};
+  return {from, direction, mesh.departure(met.primitive)};
 }
 
 /// Checks that a ray that leaves a mesh crosses it in and out in turn, and is outside in the end. Crossings
 /// at equal t, as of triangles that meet there, may be in any order.
 void judge_leaving(Tally& tally, const Mesh& mesh, const Ray& ray) {
-  const auto side = [&](int part) {
-    return Plumb(ray, mesh.data().triangle(static_cast<std::size_t>(part))).side();
+  const auto side = [&](int primitive) {
+    return Plumb(ray, mesh.data().triangle(static_cast<std::size_t>(primitive))).side();
   };
-  const int from = side(ray.departure.part);
+  const int from = side(ray.departure.primitive);
   if (from == 0) return;  // in the triangle's plane, it leaves to neither side
   ++tally.leaving;
   std::vector<Crossing> crossings;
@@ -352,11 +352,11 @@ void judge_leaving(Tally& tally, const Mesh& mesh, const Ray& ray) {
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     is_lost |= !(crossings[i].t > 0);
     if (i > 0 && crossings[i].t > crossings[i - 1].t) is_lost |= inside != 0 && inside != 1;
-    inside -= side(crossings[i].part);
+    inside -= side(crossings[i].primitive);
   }
   const auto first = mesh.first_crossing(ray, {});
   is_lost |= inside != 0 || mesh.any_hit(ray, {}) == crossings.empty() ||
-             (first ? crossings.empty() || first->part != crossings[0].part : !crossings.empty());
+             (first ? crossings.empty() || first->primitive != crossings[0].primitive : !crossings.empty());
   tally.lost += is_lost;
 }
 

@@ -57,10 +57,10 @@ bool coincide(const Model& model, int a, int b) {
   return found;
 }
 
-/// Surface of the model that a ray leaves, −1 for none, and the part of it.
+/// Surface of the model that a ray leaves, −1 for none, and the primitive of it.
 struct Leaves {
   int surface = -1;
-  int part = 0;
+  int primitive = 0;
 };
 
 // Without their headers, the tests of requires below would judge otherwise.
@@ -76,7 +76,7 @@ void add_crossings(std::vector<Hit>& hits, const Model& model, const Ray& ray, c
   if constexpr (requires { exact::roots(ray, surface, exact::Left{}); } && !std::same_as<S, Quadric>) {
     // A ray that leaves another surface may leave this one's plane or sphere with it, which exact::roots
     // tests.
-    add_hits(hits, ray, surface, id, exact::Left{id == left.surface ? left.part : -1}, end);
+    add_hits(hits, ray, surface, id, exact::Left{id == left.surface ? left.primitive : -1}, end);
   } else {
     const bool leaves =
         left.surface >= 0 && (id == left.surface || exact::is_left_with(ray, surface) ||
@@ -149,7 +149,7 @@ void report(const char* family, const char* what, const Model& model, const Ray&
   std::fprintf(stderr, "wrong in %s: %s\n", family, what);
   each_surface(model, [](const auto& surface, int) { print(surface), std::fprintf(stderr, "\n"); });
   print("ray", ray.origin), print("", ray.direction),
-      std::fprintf(stderr, " leaving %d, part %d\n  true:", left.surface, left.part);
+      std::fprintf(stderr, " leaving %d, primitive %d\n  true:", left.surface, left.primitive);
   for (const Hit& hit : expected)
     std::fprintf(stderr, " %d at %a", hit.surface, static_cast<double>(hit.root.t));
   std::fprintf(stderr, "\n  found:");

@@ -98,11 +98,11 @@ class WrongCases {
     if constexpr (requires { value.z; }) member("z", value.z);
     if constexpr (requires { value.translation; }) member("translation", value.translation);
     if constexpr (requires { value.t; }) member("t", value.t);
-    if constexpr (requires { value.part; }) member("part", value.part);
+    if constexpr (requires { value.primitive; }) member("primitive", value.primitive);
     if constexpr (requires { value.form.squares; }) member("form", value.form);
     if constexpr (requires { value.departure.geometry; }) {
       if (value.departure.kind != protostar::Departure::Kind::none) {
-        member("leaving part", value.departure.part);
+        member("leaving primitive", value.departure.primitive);
         member("of", value.departure.geometry);
       }
     }

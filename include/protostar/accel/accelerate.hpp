@@ -132,7 +132,7 @@ class Accelerated<Scene<S...>> {
       (each_of(scene_->template surfaces<S>()), ...);
     };
     each([&]<class T>(const T& left, std::size_t index) {
-      if constexpr (!is_made_of_parts<T>) {
+      if constexpr (!is_made_of_primitives<T>) {
         const Ray ray{.departure = functions_of<T>.departure(&left, 0)};
         each([&](const auto& surface, std::size_t k) {
           if constexpr (requires { surface.is_left_by(ray); })

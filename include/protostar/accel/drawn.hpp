@@ -18,10 +18,10 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// draw(drawn, rays, sample, half_spaces, tile) fills one, for one ray of each pixel. If is_drawn() is true
 /// then, seen(active, x, y) returns which of the rays from pixel (x, y) on hit the surface, and which are in
 /// doubt; `which` is the entry ≥ 0 of the buffer that each ray hits first: crossing 0 of the primitive
-/// part(which). If some rays hit, t(which, met, directions) returns their t, bit for bit that of
+/// primitive(which). If some rays hit, t(which, met, directions) returns their t, bit for bit that of
 /// first_crossing.
 template <class S>
-concept RasterizedSurface = is_made_of_parts<S> &&
+concept RasterizedSurface = is_made_of_primitives<S> &&
     requires(const S& surface, typename S::Drawn& drawn, const PixelRays& rays,
              const TileHalfSpaces& half_spaces, const Tile& tile, const LaneMask& chosen,
              const Indices& which, const Vectors& directions) {
@@ -31,7 +31,7 @@ concept RasterizedSurface = is_made_of_parts<S> &&
   { drawn.seen(chosen, 0, 0).in_doubt } -> std::same_as<LaneMask&&>;
   { drawn.seen(chosen, 0, 0).which } -> std::same_as<Indices&&>;
   { drawn.t(which, chosen, directions) } -> std::same_as<Doubles>;
-  { drawn.part(std::int64_t{0}) } -> std::same_as<int>;
+  { drawn.primitive(std::int64_t{0}) } -> std::same_as<int>;
 };
 
 /// Visibility buffers of all surfaces of one type in a tile; empty if the type is not rasterized.
@@ -77,7 +77,7 @@ struct PrimitivesSeen {
   const Drawn& drawn;
   const Indices& which;
 
-  int operator[](int lane) const { return drawn.part(which[lane]); }
+  int operator[](int lane) const { return drawn.primitive(which[lane]); }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

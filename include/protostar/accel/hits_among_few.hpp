@@ -31,7 +31,7 @@ class HitsAmongFew : public TileHits<S...> {
 
   /// True if all types have equations that take packets, and no primitives.
   static constexpr bool tests_in_lanes = double_lanes > 2 && ((takes_packets<S> && !SurfaceOfLanes<S> &&
-                                                               !is_made_of_parts<S>)&&...);
+                                                               !is_made_of_primitives<S>)&&...);
 
   /// Smallest number of rays that are tested in lanes. The Cornell box takes as long with 5, and 1.05 times
   /// as long with 1.

@@ -74,7 +74,7 @@ struct RayPacket {
   Departure departure;             ///< geometry that all rays leave; none if `departed` is a surface
   const void* departed = nullptr;  ///< surface of which each ray leaves a primitive; null for other rays
   const SurfaceFunctions* functions = nullptr;  ///< those of that surface
-  Indices parts;                                ///< index of that primitive; not set for other rays
+  Indices departed_primitives;                  ///< indices of those primitives; not set for other rays
   Doubles time = 0.0;                           ///< Ray::time
 
   /// Sets the members; constructors, since g++ clears an aggregate as a whole before it fills it.
@@ -90,7 +90,7 @@ struct RayPacket {
         active(lanes),
         departed(surface),
         functions(&functions_of_surface),
-        parts(primitives) {}
+        departed_primitives(primitives) {}
 
   /// Copies each member, so that a packet in registers stays there: memcpy, which g++ would call, has to wait
   /// until the packet is written.
@@ -101,7 +101,7 @@ struct RayPacket {
         departure(rays.departure),
         departed(rays.departed),
         functions(rays.functions),
-        parts(rays.parts),
+        departed_primitives(rays.departed_primitives),
         time(rays.time) {}
   RayPacket& operator=(const RayPacket&) = default;
 
@@ -118,7 +118,8 @@ struct RayPacket {
   /// Returns the ray in a lane.
   [[nodiscard]] Ray operator[](int lane) const {
     Ray ray{.origin = origin[lane], .direction = direction[lane], .departure = departure, .time = time[lane]};
-    if (leave_primitives()) ray.departure = functions->departure(departed, static_cast<int>(parts[lane]));
+    if (leave_primitives())
+      ray.departure = functions->departure(departed, static_cast<int>(departed_primitives[lane]));
     return ray;
   }
 
@@ -174,12 +175,13 @@ struct Inside {
           .maybe = range.min < t + margin && t - margin < range.max};
 }
 
-/// Returns root and part of a crossing as one number, which is below 0 since roots are counted from 0.
+/// Returns root and primitive of a crossing as one number, which is below 0 since roots are counted from 0.
 [[nodiscard]] inline std::int64_t number_of(const Crossing& crossing) {
-  return ~(std::int64_t{crossing.root} << 32 | static_cast<std::uint32_t>(crossing.part));
+  return ~(std::int64_t{crossing.root} << 32 | static_cast<std::uint32_t>(crossing.primitive));
 }
 [[nodiscard]] inline Crossing crossing_at(double t, std::int64_t number) {
-  return {.t = t, .root = static_cast<int>(~number >> 32), .part = static_cast<int>(~number & 0xffffffff)};
+  return {
+      .t = t, .root = static_cast<int>(~number >> 32), .primitive = static_cast<int>(~number & 0xffffffff)};
 }
 
 /// Returns first_crossing of the active rays of a packet, one by one, and sets `numbers` to number_of these
@@ -238,14 +240,14 @@ template <Surface S>
   return {.crossed = first.met, .in_doubt = first.in_doubt};
 }
 
-/// Parts of a surface without parts: always 0.
-struct NoParts {
+/// Primitives of a surface without primitives: always 0.
+struct NoPrimitives {
   int operator[](int) const { return 0; }
 };
 
-/// Hits of some rays of a packet on one surface, each possibly on its own part of it: Intersection, with a
-/// lane for each ray.
-template <Surface S, class Parts = NoParts>
+/// Hits of some rays of a packet on one surface, each possibly on its own primitive of it: Intersection, with
+/// a lane for each ray.
+template <Surface S, class Primitives = NoPrimitives>
 class HitPacket {
  public:
   using Light = Colors;
@@ -253,8 +255,8 @@ class HitPacket {
   Doubles t;
 
   HitPacket(const RayPacket& rays, Doubles at, LaneMask which, const S& surface, const Material& material,
-            const Parts& parts = {})
-      : t(at), rays_(rays), which_(which), surface_(surface), material_(material), parts_(parts) {}
+            const Primitives& primitives = {})
+      : t(at), rays_(rays), which_(which), surface_(surface), material_(material), primitives_(primitives) {}
 
   [[nodiscard]] Vectors point() const { return rays_.at(min(t, farthest_point)); }
 
@@ -289,7 +291,7 @@ class HitPacket {
     } else {
       Uvs uvs{0.0, 0.0};
       for (const int lane : lanes_in(which_)) {
-        const Uv one = uv_at(surface_, points[lane], parts_[lane]);
+        const Uv one = uv_at(surface_, points[lane], primitives_[lane]);
         uvs.x.set(lane, one.x), uvs.y.set(lane, one.y);
       }
       return uvs;
@@ -306,28 +308,28 @@ class HitPacket {
 
  private:
   [[nodiscard]] RayPacket leaving(const Vectors& direction) const {
-    if constexpr (std::same_as<Parts, NoParts>)
+    if constexpr (std::same_as<Primitives, NoPrimitives>)
       return {point(), direction, which_, departure_of(surface_)};
     else
-      return {point(), direction, which_, &surface_, functions_of<S>, parts()};
+      return {point(), direction, which_, &surface_, functions_of<S>, primitives()};
   }
 
-  [[nodiscard]] Indices parts() const {
+  [[nodiscard]] Indices primitives() const {
     Indices numbers = 0;
-    for (const int lane : lanes_in(which_)) numbers.set(lane, parts_[lane]);
+    for (const int lane : lanes_in(which_)) numbers.set(lane, primitives_[lane]);
     return numbers;
   }
 
   [[nodiscard, gnu::noinline]] Vectors normals_one_by_one() const {
-    // Neighbors often hit the same part, and a flat part has one normal.
-    const bool are_flat = has_flat_parts(surface_);
+    // Neighbors often hit the same primitive, and a flat primitive has one normal.
+    const bool are_flat = has_flat_primitives(surface_);
     const Vectors points = point();
     Vectors normals(Vec3{0});
     Vec3 n{0};
-    int part = -1;
+    int primitive = -1;
     for (const int lane : lanes_in(which_)) {
-      const int before = std::exchange(part, parts_[lane]);
-      if (!are_flat || part != before) n = protostar::normal_at(surface_, points[lane], part);
+      const int before = std::exchange(primitive, primitives_[lane]);
+      if (!are_flat || primitive != before) n = protostar::normal_at(surface_, points[lane], primitive);
       normals.x.set(lane, n.x), normals.y.set(lane, n.y), normals.z.set(lane, n.z);
     }
     return normals;
@@ -344,7 +346,7 @@ class HitPacket {
   LaneMask which_;
   const S& surface_;
   const Material& material_;
-  [[no_unique_address]] Parts parts_;
+  [[no_unique_address]] Primitives primitives_;
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -28,7 +28,7 @@ class TileHits {
  public:
   using State = TileState<S...>;
   static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< true if any type can be rasterized
-  static constexpr bool has_primitives = (is_made_of_parts<S> || ...);  ///< true if any type has primitives
+  static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);  ///< true if any type has
 
   /// Type of Closest::primitive if no surface has primitives.
   struct Nothing {
@@ -41,7 +41,7 @@ class TileHits {
     LaneMask is_far = false;  ///< true at the second root of a surface that takes packets
 
     /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0.
-    [[no_unique_address]] std::conditional_t<has_primitives, Indices, Nothing> primitive = -1;
+    [[no_unique_address]] std::conditional_t<may_have_primitives, Indices, Nothing> primitive = -1;
   };
 
   TileHits(const Scene<S...>& scene, const Candidates& candidates, State& state)
@@ -301,8 +301,8 @@ class TileHits {
         closest.primitive = select(sooner, seen.which, closest.primitive);
         return;
       }
-    if constexpr (is_made_of_parts<T>)
-      if (has_parts(surface)) {
+    if constexpr (is_made_of_primitives<T>)
+      if (has_primitives(surface)) {
         Indices numbers = -1;
         const ClosestCrossings first = first_crossings_one_by_one(surface, rays, lanes, Interval{}, numbers);
         const LaneMask sooner = keep_closer(first, index, closest, in_doubt);
@@ -324,8 +324,9 @@ class TileHits {
         return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material,
                                            PrimitivesSeen<typename T::Drawn>{drawn, closest.primitive})));
       }
-    if constexpr (is_made_of_parts<T>)
-      if (has_parts(surface)) return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
+    if constexpr (is_made_of_primitives<T>)
+      if (has_primitives(surface))
+        return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
     return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material)));
   }
   template <Surface T>
@@ -346,8 +347,8 @@ class TileHits {
   template <Surface T>
   [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
                                             int lane) {
-    if constexpr (is_made_of_parts<T>)
-      if (has_parts(surface) && closest.primitive[lane] < 0)
+    if constexpr (is_made_of_primitives<T>)
+      if (has_primitives(surface) && closest.primitive[lane] < 0)
         return crossing_at(closest.t[lane], closest.primitive[lane]);
     if constexpr (takes_packets<T> && !SurfaceOfLanes<T>)
       return {.t = closest.t[lane], .root = static_cast<int>(bits(closest.is_far) >> lane & 1)};
@@ -367,7 +368,7 @@ class TileHits {
       closest.index = select(only_lane(lane), Indices(index), closest.index);
       const LaneMask others = closest.is_far && !only_lane(lane);
       closest.is_far = crossing.crossing.root == 0 ? others : others || only_lane(lane);
-      if constexpr (has_primitives)
+      if constexpr (may_have_primitives)
         closest.primitive = select(only_lane(lane), Indices(number_of(crossing.crossing)), closest.primitive);
     }
     return closest;

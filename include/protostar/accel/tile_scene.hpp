@@ -322,7 +322,7 @@ class TileScene : public HitsAmongFew<S...> {
   [[gnu::noinline]] void each_textured_crossing(const T& surface, const Material& material,
                                                 const CameraPacket& rays, LaneMask some, Interval range,
                                                 const auto& visit_crossing) const {
-    if (has_parts(surface))
+    if (has_primitives(surface))
       each_crossing_one_by_one(surface, rays, some, range, [&](int lane, const Crossing& crossing) {
         const Intersection hit(rays[lane], crossing_on(surface, crossing, material));
         visit_crossing(MaskedCrossing{only_lane(lane), hit.color()});

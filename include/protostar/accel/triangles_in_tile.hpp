@@ -43,7 +43,7 @@ class TrianglesInTile {
   [[nodiscard]] bool is_drawn() const { return usable_; }
 
   /// Visibility for the rays of a packet, from a pixel on to the right: lanes that surely hit, with the entry
-  /// of the closest triangle for t() and part(), and lanes in doubt, which may hit.
+  /// of the closest triangle for t() and primitive(), and lanes in doubt, which may hit.
   struct Seen {
     LaneMask met, in_doubt;
     Indices which = -1;
@@ -75,7 +75,7 @@ class TrianglesInTile {
   }
 
   /// Returns the index, in the mesh, of a triangle that is seen.
-  [[nodiscard]] int part(std::int64_t which) const {
+  [[nodiscard]] int primitive(std::int64_t which) const {
     const Planes& planes = drawn_[static_cast<std::size_t>(which / double_lanes)];
     const auto i = planes.first + static_cast<std::uint32_t>(which % double_lanes);
     return static_cast<int>(tree_->leaves().number(TriangleLeaves::place(planes.leaf, i)));

@@ -47,27 +47,27 @@ class AnySurface {
     return is_moving() ? held_->functions.at_rest(held_->surface, point, time) : point;
   }
 
-  [[nodiscard]] bool has_parts() const { return held_->has_parts(); }
-  [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
-    return held_->functions.normal_at(held_->surface, point, part);
+  [[nodiscard]] bool has_primitives() const { return held_->has_primitives(); }
+  [[nodiscard]] Vec3 normal_at(const Point& point, int primitive = 0) const {
+    return held_->functions.normal_at(held_->surface, point, primitive);
   }
   [[nodiscard]] bool has_uv() const { return held_->has_uv(); }
-  [[nodiscard]] Uv uv_at(const Point& point, int part = 0) const {
-    return held_->functions.uv_at(held_->surface, point, part);
+  [[nodiscard]] Uv uv_at(const Point& point, int primitive = 0) const {
+    return held_->functions.uv_at(held_->surface, point, primitive);
   }
   [[nodiscard]] bool has_tangents() const { return held_->has_tangents(); }
-  [[nodiscard]] Tangents tangents_at(const Point& point, int part = 0) const {
-    return held_->functions.tangents_at(held_->surface, point, part);
+  [[nodiscard]] Tangents tangents_at(const Point& point, int primitive = 0) const {
+    return held_->functions.tangents_at(held_->surface, point, primitive);
   }
   [[nodiscard]] bool has_distance_bound() const { return held_->has_distance_bound(); }
   /// Returns the bound of a surface that has one, otherwise 0, which bounds any distance.
   [[nodiscard]] double distance_bound(const Point& point) const { return held_->distance_bound(point); }
-  [[nodiscard]] Departure departure(int part = 0) const {
-    return held_->functions.departure(held_->surface, part);
+  [[nodiscard]] Departure departure(int primitive = 0) const {
+    return held_->functions.departure(held_->surface, primitive);
   }
   [[nodiscard]] bool is_solid() const { return held_->is_solid(); }
   [[nodiscard]] bool ends_inside(const Ray& ray) const { return held_->ends_inside(ray); }
-  [[nodiscard]] int part_count() const { return held_->part_count(); }
+  [[nodiscard]] int primitive_count() const { return held_->primitive_count(); }
   [[nodiscard]] Bounds bounds() const { return held_->bounds(); }
   void validate() const { held_->validate(); }
 
@@ -113,14 +113,14 @@ class AnySurface {
     }
     virtual bool any_hit(const Ray&, Interval) const = 0;
     virtual void each_crossing(const Ray&, Interval, Visitor) const = 0;
-    virtual bool has_parts() const = 0;
+    virtual bool has_primitives() const = 0;
     virtual bool has_uv() const = 0;
     virtual bool has_tangents() const = 0;
     virtual bool has_distance_bound() const = 0;
     virtual double distance_bound(const Point&) const { return 0; }
     virtual bool is_solid() const = 0;
     virtual bool ends_inside(const Ray&) const = 0;
-    virtual int part_count() const = 0;
+    virtual int primitive_count() const = 0;
     virtual Bounds bounds() const = 0;
     virtual void validate() const = 0;
     virtual const MarchSetup* march_setup() const { return nullptr; }
@@ -149,7 +149,7 @@ class AnySurface {
     void each_crossing(const Ray& ray, Interval range, Visitor visit) const override {
       protostar::each_crossing(one, ray, range, visit);
     }
-    bool has_parts() const override { return protostar::has_parts(one); }
+    bool has_primitives() const override { return protostar::has_primitives(one); }
     bool has_uv() const override { return protostar::has_uv(one); }
     bool has_tangents() const override { return protostar::has_tangents(one); }
     bool has_distance_bound() const override { return protostar::has_distance_bound(one); }
@@ -159,7 +159,7 @@ class AnySurface {
     }
     bool is_solid() const override { return protostar::is_solid(one); }
     bool ends_inside(const Ray& ray) const override { return protostar::ends_inside(one, ray); }
-    int part_count() const override { return protostar::part_count(one); }
+    int primitive_count() const override { return protostar::primitive_count(one); }
     Bounds bounds() const override { return bounds_of(one); }
     void validate() const override {
       if constexpr (requires { one.validate(); }) one.validate();
@@ -185,6 +185,6 @@ template <class S>
 requires(!std::same_as<S, AnySurface> && Surface<S>) AnySurface::AnySurface(S surface)
     : held_(std::make_unique<Held<S>>(std::move(surface))) {}
 
-static_assert(CompositeSurface<AnySurface> && is_made_of_parts<AnySurface> && Solid<AnySurface>);
+static_assert(CompositeSurface<AnySurface> && is_made_of_primitives<AnySurface> && Solid<AnySurface>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -25,8 +25,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// A box along the axes; min is nowhere above max. It may be flat.
 ///
-/// Its parts are its faces: 0 and 1 at the smallest and largest x, 2 and 3 for y, 4 and 5 for z. Hits, and
-/// the faces that are hit, are decided exactly.
+/// Its primitives are its faces: 0 and 1 at the smallest and largest x, 2 and 3 for y, 4 and 5 for z. Hits,
+/// and the faces that are hit, are decided exactly.
 ///
 /// A ray that leaves a face of the box starts on it, however its origin is rounded. If it leads inward, it
 /// crosses the box exactly once more, at t > 0: at the first plane of a face that it crosses from inside or,
@@ -54,15 +54,15 @@ struct Box {
     if (start.face >= 0 && !leads_inwards(ray, start.face)) return;
     const Met met = with_line(ray, [&](const auto& line) { return this->met(ray, line, start); });
     for (int i = 0; i < met.roots.count(); ++i) {
-      Crossing crossing{.t = met.roots[i], .part = met.faces[i]};
+      Crossing crossing{.t = met.roots[i], .primitive = met.faces[i]};
       if (start.is_in_box) crossing.t = std::max(crossing.t, smallest_t);
-      if (crossing.part != start.face && lies_inside(*this, ray, crossing, range)) visit(crossing);
+      if (crossing.primitive != start.face && lies_inside(*this, ray, crossing, range)) visit(crossing);
     }
   }
 
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
     const Start start = start_of(ray);
-    const ExactRoot root = root_on(crossing.part, ray, start);
+    const ExactRoot root = root_on(crossing.primitive, ray, start);
     return start.is_in_box && root.b.sign() <= 0 ? exact_root_of(smallest_t) : root;
   }
 
@@ -85,7 +85,7 @@ struct Box {
     return axes;
   }
 
-  [[nodiscard]] int part_count() const { return 6; }
+  [[nodiscard]] int primitive_count() const { return 6; }
 
   /// Returns false: the inside is bounded on every ray.
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
@@ -107,7 +107,7 @@ struct Box {
   /// Returns the plane of a face; surfaces and faces in one plane are left together.
   [[nodiscard]] Departure departure(int face) const {
     Departure departure = departure_across(face / 2, place(face));
-    departure.part = face, departure.object = this;
+    departure.primitive = face, departure.object = this;
     return departure;
   }
 
@@ -157,7 +157,7 @@ struct Box {
   [[nodiscard]] Start start_of(const Ray& ray) const {
     const Departure& left = ray.departure;
     if (!left.is_planar()) return {};
-    if (left.object == this) return {.face = left.part, .is_in_box = true};
+    if (left.object == this) return {.face = left.primitive, .is_in_box = true};
     for (int face = 0; face < 6; ++face) {
       const bool may_be_parallel = left.geometry[static_cast<std::size_t>(face / 2)] != 0;
       if (may_be_parallel && left == departure(face))
@@ -283,6 +283,6 @@ struct Box {
   }
 };
 
-static_assert(CompositeSurface<Box> && is_made_of_parts<Box> && SurfaceWithBounds<Box> && Solid<Box>);
+static_assert(CompositeSurface<Box> && is_made_of_primitives<Box> && SurfaceWithBounds<Box> && Solid<Box>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -44,7 +44,7 @@ class Csg {
   struct Leaf {
     AnySurface solid;
     int node;                    ///< index among the nodes
-    int first_part = 0;          ///< number of parts of all leaves before it
+    int first_primitive = 0;     ///< number of primitives of all leaves before it
     bool is_taken_away = false;  ///< true if subtracted an odd number of times
   };
 
@@ -61,7 +61,7 @@ class Csg {
   /// Makes a tree of one solid. Throws std::invalid_argument if it is not closed, which its type alone may
   /// not tell.
   template <class S>
-  requires(!std::same_as<S, Csg> && Solid<S>) Csg(S solid) : parts_(protostar::part_count(solid)) {
+  requires(!std::same_as<S, Csg> && Solid<S>) Csg(S solid) : primitives_(protostar::primitive_count(solid)) {
     if (!protostar::is_solid(solid)) throw std::invalid_argument("Csg: an operand must be a closed solid");
     leaves_.push_back({.solid = std::move(solid), .node = 0});
     nodes_.push_back({});
@@ -69,7 +69,7 @@ class Csg {
   }
 
   /// Combines trees by an operation. Throws std::invalid_argument if there are none, if the new tree is too
-  /// deep, or if it has too many solids, or more parts than an int counts.
+  /// deep, or if it has too many solids, or more primitives than an int counts.
   Csg(Operation operation, std::vector<Csg> operands) {
     if (operands.empty()) throw std::invalid_argument("Csg: an operation needs a solid");
     for (Csg& operand : operands) append(std::move(operand), operation);
@@ -86,26 +86,26 @@ class Csg {
   }
 
   /// Returns the unit normal out of the whole, which on a subtracted solid points into that solid.
-  [[nodiscard]] Vec3 normal_at(const Point& point, int part) const {
-    const Leaf& leaf = leaf_of(part);
-    const Vec3 normal = leaf.solid.normal_at(point, inner_part(part));
+  [[nodiscard]] Vec3 normal_at(const Point& point, int primitive) const {
+    const Leaf& leaf = leaf_of(primitive);
+    const Vec3 normal = leaf.solid.normal_at(point, inner_primitive(primitive));
     return leaf.is_taken_away ? -normal : normal;
   }
   [[nodiscard]] bool has_uv() const {
     return std::all_of(leaves_.begin(), leaves_.end(), [](const Leaf& leaf) { return leaf.solid.has_uv(); });
   }
-  [[nodiscard]] Uv uv_at(const Point& point, int part) const {
-    return leaf_of(part).solid.uv_at(point, inner_part(part));
+  [[nodiscard]] Uv uv_at(const Point& point, int primitive) const {
+    return leaf_of(primitive).solid.uv_at(point, inner_primitive(primitive));
   }
   [[nodiscard]] bool has_tangents() const {
     return std::all_of(leaves_.begin(), leaves_.end(),
                        [](const Leaf& leaf) { return leaf.solid.has_tangents(); });
   }
-  [[nodiscard]] Tangents tangents_at(const Point& point, int part) const {
-    return leaf_of(part).solid.tangents_at(point, inner_part(part));
+  [[nodiscard]] Tangents tangents_at(const Point& point, int primitive) const {
+    return leaf_of(primitive).solid.tangents_at(point, inner_primitive(primitive));
   }
-  [[nodiscard]] Departure departure(int part) const {
-    return leaf_of(part).solid.departure(inner_part(part));
+  [[nodiscard]] Departure departure(int primitive) const {
+    return leaf_of(primitive).solid.departure(inner_primitive(primitive));
   }
 
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
@@ -123,7 +123,7 @@ class Csg {
     });
   }
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
-    return leaf_of(crossing.part).solid.exact_root(ray, inner(crossing));
+    return leaf_of(crossing.primitive).solid.exact_root(ray, inner(crossing));
   }
 
   [[nodiscard]] bool ends_inside(const Ray& ray) const {
@@ -132,7 +132,7 @@ class Csg {
       if (leaf(i).solid.ends_inside(ray)) insides.turn_over(i);
     return insides.whole();
   }
-  [[nodiscard]] int part_count() const { return parts_; }
+  [[nodiscard]] int primitive_count() const { return primitives_; }
   [[nodiscard]] Bounds bounds() const { return bounds_; }
   [[nodiscard]] const std::vector<Leaf>& leaves() const { return leaves_; }
   [[nodiscard]] const std::vector<Node>& nodes() const { return nodes_; }
@@ -192,14 +192,16 @@ class Csg {
   [[nodiscard]] int count() const { return static_cast<int>(leaves_.size()); }
   [[nodiscard]] const Leaf& leaf(int i) const { return leaves_[static_cast<std::size_t>(i)]; }
 
-  /// Returns the leaf that has a part: the last one that begins at it or before.
-  [[nodiscard]] const Leaf& leaf_of(int part) const {
-    return std::upper_bound(leaves_.begin(), leaves_.end(), part,
-                            [](int p, const Leaf& leaf) { return p < leaf.first_part; })[-1];
+  /// Returns the leaf that has a primitive: the last one that begins at it or before.
+  [[nodiscard]] const Leaf& leaf_of(int primitive) const {
+    return std::upper_bound(leaves_.begin(), leaves_.end(), primitive,
+                            [](int p, const Leaf& leaf) { return p < leaf.first_primitive; })[-1];
   }
-  [[nodiscard]] int inner_part(int part) const { return part - leaf_of(part).first_part; }
+  [[nodiscard]] int inner_primitive(int primitive) const {
+    return primitive - leaf_of(primitive).first_primitive;
+  }
   [[nodiscard]] Crossing inner(Crossing crossing) const {
-    crossing.part = inner_part(crossing.part);
+    crossing.primitive = inner_primitive(crossing.primitive);
     return crossing;
   }
 
@@ -208,12 +210,12 @@ class Csg {
     const bool is_first = leaves_.empty(), is_taken_away = operation == Operation::first_alone && !is_first;
     if (leaves_.size() + other.leaves_.size() > most_solids)
       throw std::invalid_argument("Csg: at most " + std::to_string(most_solids) + " solids are allowed");
-    if (other.parts_ > std::numeric_limits<int>::max() - parts_)
-      throw std::invalid_argument("Csg: the solids have more than 2^31 - 1 parts");
+    if (other.primitives_ > std::numeric_limits<int>::max() - primitives_)
+      throw std::invalid_argument("Csg: the solids have more than 2^31 - 1 primitives");
     if (is_taken_away) other.nodes_.back().weight = -1;
     for (Leaf& leaf : other.leaves_) {
       leaf.node += shift;
-      leaf.first_part += parts_;
+      leaf.first_primitive += primitives_;
       leaf.is_taken_away = leaf.is_taken_away != is_taken_away;
       leaves_.push_back(std::move(leaf));
     }
@@ -222,7 +224,7 @@ class Csg {
       nodes_.push_back(node);
     }
     depth_ = std::max(depth_, other.depth_);
-    parts_ += other.parts_;
+    primitives_ += other.primitives_;
     const auto [low, high] = other.bounds_;
     if (is_first) bounds_ = other.bounds_;
     if (operation == Operation::either) bounds_ = {min(bounds_.min, low), max(bounds_.max, high)};
@@ -282,7 +284,7 @@ class Csg {
       const Hit* turning = turn_over_together(insides, hit, end);
       if (insides.whole() != was_inside && !is_departure) {
         Crossing crossing = turning->crossing;
-        crossing.part += leaf(turning->leaf).first_part;
+        crossing.primitive += leaf(turning->leaf).first_primitive;
         if (visit(crossing)) return;
       }
       hit = end;
@@ -305,7 +307,7 @@ class Csg {
   std::vector<Node> nodes_;
   Bounds bounds_;
   int depth_ = 0;
-  int parts_ = 0;
+  int primitives_ = 0;
 };
 
 namespace detail {
@@ -351,6 +353,6 @@ struct CsgOperands {
   return {Csg::Operation::first_alone, std::move(solids.trees)};
 }
 
-static_assert(CompositeSurface<Csg> && is_made_of_parts<Csg> && SurfaceWithBounds<Csg> && Solid<Csg>);
+static_assert(CompositeSurface<Csg> && is_made_of_primitives<Csg> && SurfaceWithBounds<Csg> && Solid<Csg>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

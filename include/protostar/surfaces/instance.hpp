@@ -39,12 +39,13 @@ class Instance<S> {
         inverse_(placement),
         bounds_(bounds_of_image(bounds_of(surface_), placement)) {
     if (!inverse_.exists()) return;  // validate() throws
-    for (int part = 0; part < protostar::part_count(surface_); ++part) {
-      const Departure own = departure_of(surface_, part);
+    for (int primitive = 0; primitive < protostar::primitive_count(surface_); ++primitive) {
+      const Departure own = departure_of(surface_, primitive);
       if (own.kind != Departure::Kind::plane && own.kind != Departure::Kind::sphere) continue;
       const auto [image, is_new] = images_.try_emplace({own.kind, own.geometry});
       if (is_new) image->second = image_of(own);
-      if (image->second.kind != Departure::Kind::object) parts_.try_emplace(geometry_of(image->second), part);
+      if (image->second.kind != Departure::Kind::object)
+        primitives_.try_emplace(geometry_of(image->second), primitive);
     }
   }
 
@@ -53,30 +54,30 @@ class Instance<S> {
   }
 
   /// Returns the unit normal on the surface's outside.
-  [[nodiscard]] Vec3 normal_at(const Point& point, int part = 0) const {
-    return unit_along(inverse_.mapped_normal(protostar::normal_at(surface_, carried(point), part)));
+  [[nodiscard]] Vec3 normal_at(const Point& point, int primitive = 0) const {
+    return unit_along(inverse_.mapped_normal(protostar::normal_at(surface_, carried(point), primitive)));
   }
 
-  [[nodiscard]] Uv uv_at(const Point& point, int part = 0) const {
-    return protostar::uv_at(surface_, carried(point), part);
+  [[nodiscard]] Uv uv_at(const Point& point, int primitive = 0) const {
+    return protostar::uv_at(surface_, carried(point), primitive);
   }
 
   /// Returns the images of the surface's own tangents, as directions.
-  [[nodiscard]] Tangents tangents_at(const Point& point, int part = 0) const {
-    const Tangents own = protostar::tangents_at(surface_, carried(point), part);
+  [[nodiscard]] Tangents tangents_at(const Point& point, int primitive = 0) const {
+    const Tangents own = protostar::tangents_at(surface_, carried(point), primitive);
     return {inverse_.map().vector(of_moderate_size(own.u)), inverse_.map().vector(of_moderate_size(own.v))};
   }
 
-  /// Returns the plane or the sphere of a part, if other surfaces may have the same; and this instance,
+  /// Returns the plane or the sphere of a primitive, if other surfaces may have the same; and this instance,
   /// recognized by its address.
-  [[nodiscard]] Departure departure(int part = 0) const {
+  [[nodiscard]] Departure departure(int primitive = 0) const {
     Departure departure{.kind = Departure::Kind::object};
     if (!images_.empty()) {
-      const Departure own = departure_of(surface_, part);
+      const Departure own = departure_of(surface_, primitive);
       if (const auto image = images_.find({own.kind, own.geometry}); image != images_.end())
         departure = image->second;
     }
-    departure.part = part, departure.object = this;
+    departure.primitive = primitive, departure.object = this;
     return departure;
   }
 
@@ -97,8 +98,8 @@ class Instance<S> {
     return protostar::exact_root(surface_, in_object_space(transform), crossing);
   }
 
-  [[nodiscard]] bool has_parts() const { return protostar::has_parts(surface_); }
-  [[nodiscard]] int part_count() const { return protostar::part_count(surface_); }
+  [[nodiscard]] bool has_primitives() const { return protostar::has_primitives(surface_); }
+  [[nodiscard]] int primitive_count() const { return protostar::primitive_count(surface_); }
   [[nodiscard]] bool has_uv() const { return protostar::has_uv(surface_); }
   [[nodiscard]] bool has_tangents() const { return protostar::has_tangents(surface_); }
   [[nodiscard]] bool is_solid() const { return protostar::is_solid(surface_); }
@@ -148,10 +149,10 @@ class Instance<S> {
   /// Returns the departure in object space of a ray with a given departure outside.
   [[nodiscard]] Departure departure_inside(const Departure& left) const {
     if (left.kind == Departure::Kind::none) return {};
-    if (left.object == this) return departure_of(surface_, left.part);
-    const auto part = part_with(left);
-    if (!part) return {};
-    Departure departure = departure_of(surface_, *part);
+    if (left.object == this) return departure_of(surface_, left.primitive);
+    const auto primitive = primitive_with(left);
+    if (!primitive) return {};
+    Departure departure = departure_of(surface_, *primitive);
     departure.object = nullptr;  // the ray left another surface
     return departure;
   }
@@ -164,15 +165,15 @@ class Instance<S> {
     return {Departure::Kind::rounded_plane, departure.rounded()};
   }
 
-  /// Returns a part whose plane or sphere is the one that the ray leaves on another surface.
-  [[nodiscard]] std::optional<int> part_with(const Departure& left) const {
-    if (parts_.empty() || left.kind == Departure::Kind::object) return std::nullopt;
-    const auto found = parts_.find(geometry_of(left));
-    return found == parts_.end() ? std::nullopt : std::optional(found->second);
+  /// Returns a primitive whose plane or sphere is the one that the ray leaves on another surface.
+  [[nodiscard]] std::optional<int> primitive_with(const Departure& left) const {
+    if (primitives_.empty() || left.kind == Departure::Kind::object) return std::nullopt;
+    const auto found = primitives_.find(geometry_of(left));
+    return found == primitives_.end() ? std::nullopt : std::optional(found->second);
   }
 
-  /// Returns the image of the plane or sphere of a part, whose equation doubles hold. The kind is object if
-  /// the image of a sphere is not a sphere, or doubles do not hold it.
+  /// Returns the image of the plane or sphere of a primitive, whose equation doubles hold. The kind is object
+  /// if the image of a sphere is not a sphere, or doubles do not hold it.
   [[nodiscard]] Departure image_of(const Departure& own) const {
     const auto& [a, b, c, d] = own.geometry;
     if (own.is_planar())
@@ -205,8 +206,8 @@ class Instance<S> {
   S surface_;
   AffineInverse inverse_;
   Bounds bounds_;
-  std::map<Geometry, Departure> images_;  ///< images of the planes and spheres of parts
-  std::map<Geometry, int> parts_;         ///< first parts with these images
+  std::map<Geometry, Departure> images_;  ///< images of the planes and spheres of primitives
+  std::map<Geometry, int> primitives_;    ///< first primitives with these images
 };
 
 template <class S>
@@ -222,6 +223,6 @@ class Instance : public detail::NoSurface {
   Instance(const S&, const Affine&) {}
 };
 
-static_assert(CompositeSurface<Instance<>> && is_made_of_parts<Instance<>> && Solid<Instance<>>);
+static_assert(CompositeSurface<Instance<>> && is_made_of_primitives<Instance<>> && Solid<Instance<>>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

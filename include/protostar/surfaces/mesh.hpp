@@ -23,7 +23,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A mesh, whose copies share their data. Its parts are its triangles, in the order in which they are given.
+/// A mesh, whose copies share their data. Its primitives are its triangles, in the order in which they are
+/// given.
 ///
 /// All triangles fit together as two that share an edge or a vertex do (Triangle): a ray that is aimed at an
 /// edge of a closed mesh, or at a vertex, slips through nowhere and crosses nothing twice. Vertices are
@@ -42,7 +43,7 @@ class Mesh {
   /// out of the solid if (b − a) × (c − a) does for each triangle a, b, c: if, in right-handed coordinates,
   /// the triangles turn counterclockwise as seen from outside, and in left-handed ones clockwise.
   [[nodiscard]] bool is_solid() const { return data().is_closed(); }
-  [[nodiscard]] int part_count() const { return static_cast<int>(data().triangles.size()); }
+  [[nodiscard]] int primitive_count() const { return static_cast<int>(data().triangles.size()); }
 
   /// Returns false: the inside is bounded on every ray.
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
@@ -54,31 +55,32 @@ class Mesh {
 
   /// Returns the unit normal at a point of a triangle: the vertex normals, interpolated, or the triangle's
   /// own if there are none or they cancel.
-  [[nodiscard]] Vec3 normal_at(const Point& point, int part) const {
-    const Triangle triangle = this->triangle(part);
+  [[nodiscard]] Vec3 normal_at(const Point& point, int primitive) const {
+    const Triangle triangle = this->triangle(primitive);
     if (!data().normals.empty()) {
-      const Vec3 normal = normalize(of_moderate_size(between(data().normals, triangle.uv_at(point), part)));
+      const Vec3 normal =
+          normalize(of_moderate_size(between(data().normals, triangle.uv_at(point), primitive)));
       if (is_finite(normal)) return normal;
     }
     return triangle.normal_at(point);
   }
 
   /// Returns true if each triangle has one normal, its own.
-  [[nodiscard]] bool has_flat_parts() const { return data().normals.empty(); }
+  [[nodiscard]] bool has_flat_primitives() const { return data().normals.empty(); }
 
   /// Interpolates the texture coordinates of the vertices; returns barycentric coordinates if they have none.
-  [[nodiscard]] Uv uv_at(const Point& point, int part) const {
-    const Uv uv = triangle(part).uv_at(point);
-    return data().uvs.empty() ? uv : between(data().uvs, uv, part);
+  [[nodiscard]] Uv uv_at(const Point& point, int primitive) const {
+    const Uv uv = triangle(primitive).uv_at(point);
+    return data().uvs.empty() ? uv : between(data().uvs, uv, primitive);
   }
 
   /// Returns the directions of the texture coordinates, which are the same all over a triangle. A vector w in
   /// its plane, along the edges e and f by α and β, changes u by α e_u + β f_u, and v by α e_v + β f_v; it
   /// leaves v as it is for α = f_v, β = −e_v, and then changes u by the determinant e_u f_v − f_u e_v.
-  [[nodiscard]] Tangents tangents_at(const Point& point, int part) const {
-    const auto [e, f] = triangle(part).tangents_at(point);
+  [[nodiscard]] Tangents tangents_at(const Point& point, int primitive) const {
+    const auto [e, f] = triangle(primitive).tangents_at(point);
     if (data().uvs.empty()) return {e, f};
-    const auto& [a, b, c] = data().triangles[static_cast<std::size_t>(part)];
+    const auto& [a, b, c] = data().triangles[static_cast<std::size_t>(primitive)];
     const Uv of_e = data().uvs[b] - data().uvs[a], of_f = data().uvs[c] - data().uvs[a];
     const double determinant = of_e.x * of_f.y - of_f.x * of_e.y;
     const double sign = (determinant > 0) - (determinant < 0);
@@ -91,9 +93,9 @@ class Mesh {
   /// one does that starts on the triangle, however its origin is rounded (StartInTriangle): next to an edge
   /// that bends away it does not hit the other side, and next to an edge in a valley it does if it leads
   /// there. Such a ray must not be traced after its mesh is gone.
-  [[nodiscard]] Departure departure(int part) const {
-    Departure departure = triangle(part).departure();
-    departure.part = part, departure.object = contents_.get();
+  [[nodiscard]] Departure departure(int primitive) const {
+    Departure departure = triangle(primitive).departure();
+    departure.primitive = primitive, departure.object = contents_.get();
     return departure;
   }
 
@@ -167,7 +169,7 @@ class Mesh {
 #endif
 
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
-    const Triangle one = triangle(crossing.part);
+    const Triangle one = triangle(crossing.primitive);
     if (const Start start = start_of(ray)) return start->exact_root(ray, one);
     return exact_root_of(one, ray, crossing.root);
   }
@@ -199,7 +201,7 @@ class Mesh {
     /// Returns how far the ray's start may be from its origin, on each axis.
     [[nodiscard]] double distance() const { return start ? start->distance() : 0; }
 
-    bool found(double t, std::uint32_t i) { return take({.t = t, .part = static_cast<int>(i)}); }
+    bool found(double t, std::uint32_t i) { return take({.t = t, .primitive = static_cast<int>(i)}); }
     bool maybe(const Triangle& triangle, std::uint32_t i) {
       const auto other = mesh.crossing_with(triangle, i, ray, start, range);
       return other && take(*other);
@@ -251,12 +253,14 @@ class Mesh {
     return data;
   }
 
-  [[nodiscard]] Triangle triangle(int part) const { return data().triangle(static_cast<std::size_t>(part)); }
+  [[nodiscard]] Triangle triangle(int primitive) const {
+    return data().triangle(static_cast<std::size_t>(primitive));
+  }
 
   /// Interpolates a vertex attribute at (u, v) of a triangle.
   template <class T>
-  [[nodiscard]] T between(const std::vector<T>& of_vertices, const Uv& uv, int part) const {
-    const auto& [a, b, c] = data().triangles[static_cast<std::size_t>(part)];
+  [[nodiscard]] T between(const std::vector<T>& of_vertices, const Uv& uv, int primitive) const {
+    const auto& [a, b, c] = data().triangles[static_cast<std::size_t>(primitive)];
     return (1 - uv.x - uv.y) * of_vertices[a] + uv.x * of_vertices[b] + uv.y * of_vertices[c];
   }
 
@@ -264,21 +268,21 @@ class Mesh {
     return ray.departure.is_planar() && ray.departure.object == contents_.get();
   }
   [[nodiscard]] Start start_of(const Ray& ray) const {
-    return leaves_this(ray) ? Start(std::in_place, ray, triangle(ray.departure.part)) : std::nullopt;
+    return leaves_this(ray) ? Start(std::in_place, ray, triangle(ray.departure.primitive)) : std::nullopt;
   }
 
   /// Returns the crossing with the i-th triangle in the range, if there is one.
   [[nodiscard]] std::optional<Crossing> crossing_with(const Triangle& one, std::uint32_t i, const Ray& ray,
                                                       const Start& start, const Interval& range) const {
-    const int part = static_cast<int>(i);
+    const int primitive = static_cast<int>(i);
     if (!start) {
       auto crossing = protostar::first_crossing(one, ray, range);
-      if (crossing) crossing->part = part;
+      if (crossing) crossing->primitive = primitive;
       return crossing;
     }
-    if (part == ray.departure.part) return {};
+    if (primitive == ray.departure.primitive) return {};
     for (const double t : start->roots(ray, one))
-      if (const Crossing crossing{.t = t, .part = part}; lies_inside(*this, ray, crossing, range))
+      if (const Crossing crossing{.t = t, .primitive = primitive}; lies_inside(*this, ray, crossing, range))
         return crossing;
     return {};
   }
@@ -286,19 +290,19 @@ class Mesh {
   [[nodiscard]] bool comes_before(const Ray& ray, const Start& start, const Crossing& a,
                                   const Crossing& b) const {
     if (start) {
-      const int sign = start->order_of(ray, triangle(a.part), a.t, triangle(b.part), b.t);
-      return sign < 0 || (sign == 0 && a.part < b.part);
+      const int sign = start->order_of(ray, triangle(a.primitive), a.t, triangle(b.primitive), b.t);
+      return sign < 0 || (sign == 0 && a.primitive < b.primitive);
     }
     const auto on_mesh = [&](const Crossing& crossing) {
       return SurfaceCrossing{.crossing = crossing, .surface = this, .functions = &functions_of<Mesh>};
     };
-    return precedes(ray, on_mesh(a), a.part, on_mesh(b), b.part);
+    return precedes(ray, on_mesh(a), a.primitive, on_mesh(b), b.primitive);
   }
 
   std::shared_ptr<const Contents> contents_;
 };
 
-static_assert(CompositeSurface<Mesh> && is_made_of_parts<Mesh> && SurfaceWithBounds<Mesh> && knows_uv<Mesh> &&
-              Solid<Mesh>);
+static_assert(CompositeSurface<Mesh> && is_made_of_primitives<Mesh> && SurfaceWithBounds<Mesh> &&
+              knows_uv<Mesh> && Solid<Mesh>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -52,19 +52,19 @@ class Moving {
   [[nodiscard]] Point at_rest(const Point& point, double time) const { return motion_.at_rest(point, time); }
 
   /// Functions of a point at rest.
-  [[nodiscard]] Vec3 normal_at(const Point& at_rest, int part = 0) const {
-    return protostar::normal_at(surface_, at_rest, part);
+  [[nodiscard]] Vec3 normal_at(const Point& at_rest, int primitive = 0) const {
+    return protostar::normal_at(surface_, at_rest, primitive);
   }
-  [[nodiscard]] Uv uv_at(const Point& at_rest, int part = 0) const {
-    return protostar::uv_at(surface_, at_rest, part);
+  [[nodiscard]] Uv uv_at(const Point& at_rest, int primitive = 0) const {
+    return protostar::uv_at(surface_, at_rest, primitive);
   }
-  [[nodiscard]] Tangents tangents_at(const Point& at_rest, int part = 0) const {
-    return protostar::tangents_at(surface_, at_rest, part);
+  [[nodiscard]] Tangents tangents_at(const Point& at_rest, int primitive = 0) const {
+    return protostar::tangents_at(surface_, at_rest, primitive);
   }
 
   /// Returns this surface, recognized by its address.
-  [[nodiscard]] Departure departure(int part = 0) const {
-    return {.kind = Departure::Kind::object, .part = part, .object = this};
+  [[nodiscard]] Departure departure(int primitive = 0) const {
+    return {.kind = Departure::Kind::object, .primitive = primitive, .object = this};
   }
 
   [[nodiscard]] std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const {
@@ -80,7 +80,7 @@ class Moving {
     return protostar::exact_root(surface_, at_rest(ray), crossing);
   }
 
-  [[nodiscard]] bool has_parts() const { return true; }
+  [[nodiscard]] bool has_primitives() const { return true; }
   [[nodiscard]] bool has_uv() const { return protostar::has_uv(surface_); }
   [[nodiscard]] bool has_tangents() const { return protostar::has_tangents(surface_); }
 
@@ -120,7 +120,8 @@ class Moving {
   [[nodiscard]] Ray at_rest(const Ray& ray) const {
     Ray rest = ray;
     rest.origin = at_rest(ray.origin, ray.time);
-    rest.departure = ray.departure.object == this ? departure_of(surface_, ray.departure.part) : Departure{};
+    rest.departure =
+        ray.departure.object == this ? departure_of(surface_, ray.departure.primitive) : Departure{};
     return rest;
   }
 
@@ -128,6 +129,6 @@ class Moving {
   Motion motion_;
 };
 
-static_assert(CompositeSurface<Moving<>> && is_made_of_parts<Moving<>> && !Solid<Moving<>>);
+static_assert(CompositeSurface<Moving<>> && is_made_of_primitives<Moving<>> && !Solid<Moving<>>);
 
 }  // namespace protostar::inline PROTOSTAR_ABI

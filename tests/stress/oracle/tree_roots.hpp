@@ -1,4 +1,4 @@
-// Exact crossings of a ray with boxes, solids and trees of solids, one part of which it may leave.
+// Exact crossings of a ray with boxes, solids and trees of solids, one primitive of which it may leave.
 #pragma once
 
 #include <algorithm>
@@ -24,22 +24,23 @@
 
 namespace exact {
 
-/// Part of the surface that a ray leaves, −1 if none.
+/// Primitive of the surface that a ray leaves, −1 if none.
 struct Left {
-  int part = -1;
+  int primitive = -1;
 };
 
-/// Returns the crossings of a ray's line with a solid, of which the ray leaves a part, −1 for none; it may
-/// leave another surface that coincides with it.
+/// Returns the crossings of a ray's line with a solid, of which the ray leaves a primitive, −1 for none; it
+/// may leave another surface that coincides with it.
 inline Roots roots(const protostar::Ray& ray, const protostar::Sphere& sphere, const Left& left) {
-  return roots(Line<Number>(ray), sphere, left.part >= 0 || departs_from(ray.departure, sphere));
+  return roots(Line<Number>(ray), sphere, left.primitive >= 0 || departs_from(ray.departure, sphere));
 }
 inline Roots roots(const protostar::Ray& ray, const Placed<protostar::Sphere>& placed, const Left& left) {
   return roots(Line<Number>(Line<Number>(ray), placed.placement), placed.own,
-               left.part >= 0 || departs_from(ray.departure, placed));
+               left.primitive >= 0 || departs_from(ray.departure, placed));
 }
 inline LeftOfBox left_of(const protostar::Ray& ray, const auto& box, const Left& left) {
-  return left.part >= 0 ? LeftOfBox{left.part, true} : LeftOfBox{face_left(ray.departure, box), false};
+  return left.primitive >= 0 ? LeftOfBox{left.primitive, true}
+                             : LeftOfBox{face_left(ray.departure, box), false};
 }
 inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, const Left& left) {
   return roots(Line<Number>(ray), box, left_of(ray, box, left));
@@ -52,12 +53,12 @@ inline Roots roots(const protostar::Ray& ray, const protostar::Quadric& quadric,
   return roots(Line<Number>(ray), quadric, false);
 }
 
-inline int parts_of(const protostar::Box&) { return 6; }
-inline int parts_of(const protostar::Sphere&) { return 1; }
-inline int parts_of(const protostar::Quadric&) { return 1; }
+inline int primitives_of(const protostar::Box&) { return 6; }
+inline int primitives_of(const protostar::Sphere&) { return 1; }
+inline int primitives_of(const protostar::Quadric&) { return 1; }
 template <class S>
-int parts_of(const Placed<S>& placed) {
-  return parts_of(placed.own);
+int primitives_of(const Placed<S>& placed) {
+  return primitives_of(placed.own);
 }
 
 /// Returns true if a ray ends inside a solid.
@@ -78,11 +79,11 @@ inline Roots roots_of_tree(const protostar::Ray& ray, const SolidTree& tree, con
   std::vector<OfSolid> all;
   SolidsAlong along;
   bool is_any_left = false;
-  int first_part = 0;
+  int first_primitive = 0;
   each_solid([&](const auto& solid) {
-    const int inner = left.part - first_part;
-    const bool is_own = left.part >= 0 && 0 <= inner && inner < parts_of(solid);
-    first_part += parts_of(solid);
+    const int inner = left.primitive - first_primitive;
+    const bool is_own = left.primitive >= 0 && 0 <= inner && inner < primitives_of(solid);
+    first_primitive += primitives_of(solid);
     const std::size_t number = along.ends_inside.size();
     Roots crossed = roots(ray, solid, Left{is_own ? inner : -1});
     const bool ends = ends_inside_of(ray, solid);
@@ -114,8 +115,8 @@ inline Roots roots(const protostar::Ray& ray, const Made& made, const Left& left
     made.tree.each_solid([&](const SolidTree::Solid& held) { std::visit(visit, held); });
   });
 }
-/// Solid of the image of a tree. It coincides with the part that a ray leaves also if both do before they are
-/// mapped.
+/// Solid of the image of a tree. It coincides with the primitive that a ray leaves also if both do before
+/// they are mapped.
 template <class S>
 struct PlacedInTree : Placed<S> {
   protostar::Departure left_inside;
@@ -123,7 +124,7 @@ struct PlacedInTree : Placed<S> {
 inline Roots roots(const protostar::Ray& ray, const PlacedInTree<protostar::Sphere>& solid,
                    const Left& left) {
   const bool leaves =
-      left.part >= 0 || departs_from(ray.departure, solid) || departs_from(solid.left_inside, solid.own);
+      left.primitive >= 0 || departs_from(ray.departure, solid) || departs_from(solid.left_inside, solid.own);
   return roots(Line<Number>(Line<Number>(ray), solid.placement), solid.own, leaves);
 }
 inline Roots roots(const protostar::Ray& ray, const PlacedInTree<protostar::Box>& solid, const Left& left) {
@@ -147,14 +148,14 @@ inline Roots roots(const protostar::Ray& ray, const Placed<Made>& placed, const 
           held);
     });
   };
-  // Departure from the part that the ray leaves, before it is mapped.
+  // Departure from the primitive that the ray leaves, before it is mapped.
   protostar::Departure left_inside;
-  int first_part = 0;
+  int first_primitive = 0;
   each_image([&](const auto& image) {
-    const int inner = left.part - first_part;
-    if (left.part >= 0 && 0 <= inner && inner < parts_of(image.own))
+    const int inner = left.primitive - first_primitive;
+    if (left.primitive >= 0 && 0 <= inner && inner < primitives_of(image.own))
       left_inside = protostar::departure_of(image.own, inner);
-    first_part += parts_of(image.own);
+    first_primitive += primitives_of(image.own);
   });
   return roots_of_tree(ray, placed.own.tree, left, [&](const auto& visit) {
     each_image([&](auto image) {
@@ -165,21 +166,23 @@ inline Roots roots(const protostar::Ray& ray, const Placed<Made>& placed, const 
 }
 
 /// Returns the part of a tree that has the departure of a ray, −1 if none.
-inline int own_part(const Made& made, const protostar::Departure& left) {
-  for (int part = 0; part < made.part_count(); ++part) {
-    const protostar::Departure of_part = made.departure(part);
-    if (of_part == left && of_part.object == left.object && of_part.part == left.part) return part;
+inline int own_primitive(const Made& made, const protostar::Departure& left) {
+  for (int primitive = 0; primitive < made.primitive_count(); ++primitive) {
+    const protostar::Departure of_primitive = made.departure(primitive);
+    if (of_primitive == left && of_primitive.object == left.object &&
+        of_primitive.primitive == left.primitive)
+      return primitive;
   }
   return -1;
 }
 
-/// Returns the crossings of a ray whose departure names the box, or the tree's part, that it leaves, or only
-/// a plane.
+/// Returns the crossings of a ray whose departure names the box, or the tree's primitive, that it leaves, or
+/// only a plane.
 inline Roots roots(const protostar::Ray& ray, const protostar::Box& box, bool) {
-  return roots(ray, box, Left{ray.departure.object != nullptr ? ray.departure.part : -1});
+  return roots(ray, box, Left{ray.departure.object != nullptr ? ray.departure.primitive : -1});
 }
 inline Roots roots(const protostar::Ray& ray, const Made& made, bool) {
-  return roots(ray, made, Left{own_part(made, ray.departure)});
+  return roots(ray, made, Left{own_primitive(made, ray.departure)});
 }
 
 }  // namespace exact
