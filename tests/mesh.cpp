@@ -32,15 +32,15 @@ MeshData one_triangle() { return {.vertices = {{0, 0, 3}, {2, 0, 3}, {0, 2, 3}},
 /// them starts at a point inside it (StartInTriangle).
 std::vector<Crossing> crossings_of_triangles(const Mesh& mesh, const Ray& ray, Interval range) {
   const MeshData& data = mesh.data();
-  const int left = ray.departure.is_planar() ? ray.departure.primitive : -1;
+  const int departed = ray.departure.is_planar() ? ray.departure.primitive : -1;
   std::vector<Crossing> all;
   for (int primitive = 0; primitive < mesh.primitive_count(); ++primitive) {
     const Triangle triangle = data.triangle(static_cast<std::size_t>(primitive));
-    if (left < 0) {
+    if (departed < 0) {
       if (const auto crossing = first_crossing(triangle, ray, range))
         all.push_back({.t = crossing->t, .primitive = primitive});
-    } else if (primitive != left) {
-      const StartInTriangle start(ray, data.triangle(static_cast<std::size_t>(left)));
+    } else if (primitive != departed) {
+      const StartInTriangle start(ray, data.triangle(static_cast<std::size_t>(departed)));
       for (const double t : start.roots(ray, triangle)) {
         const ExactRoot root = start.exact_root(ray, triangle);
         if ((range.min == -infinity || order(exact_root_of(range.min), root) < 0) &&

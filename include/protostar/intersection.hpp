@@ -52,10 +52,10 @@ namespace detail {
   // Surfaces that coincide exactly need no more arithmetic. If one of two planes is rounded, they may be left
   // together and be two nevertheless.
   if (a.crossing.root == b.crossing.root) {
-    const Departure left = a.functions->departure(a.surface, a.crossing.primitive),
-                    other = b.functions->departure(b.surface, b.crossing.primitive);
+    const Departure of_a = a.functions->departure(a.surface, a.crossing.primitive),
+                    of_b = b.functions->departure(b.surface, b.crossing.primitive);
     const auto is_exact = [](const Departure& one) { return one.kind != Departure::Kind::rounded_plane; };
-    if (is_exact(left) && is_exact(other) && left == other) return false;
+    if (is_exact(of_a) && is_exact(of_b) && of_a == of_b) return false;
   }
   return order(a.functions->exact_root(a.surface, ray, a.crossing),
                b.functions->exact_root(b.surface, ray, b.crossing)) < 0;

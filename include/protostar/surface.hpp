@@ -229,7 +229,7 @@ template <Surface S>
 
 }  // namespace detail
 
-/// Returns the part of the range that is left for a ray that departs from a surface without departure().
+/// Returns the rest of the range for a ray that departs from a surface without departure().
 ///
 /// The crossing at t = 0 is computed and comes out as a little more or less. The line's crossing nearest to
 /// the origin is taken for it: one that lies ahead is cut off, one behind or at the origin is outside a

@@ -41,7 +41,7 @@ class Accelerated<Scene<S...>> {
       : scene_(&scene),
         counts_{scene.template surfaces<S>().size()...},
         finders_{simd::Finder<S>(scene.template surfaces<S>(), options)...} {
-    if (scene.size() <= simd::few_surfaces) find_left_together();
+    if (scene.size() <= simd::few_surfaces) find_departed_together();
     detail::require_threads(options);  // few surfaces are sorted by one thread, whatever the options say
   }
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
@@ -78,14 +78,14 @@ class Accelerated<Scene<S...>> {
   /// Returns the surfaces that a ray leaves together, for a scene of at most few_surfaces without primitives:
   /// bit k stands for the k-th in the scene's order. The ray departs from a surface of the scene, or from
   /// nothing.
-  [[nodiscard]] simd::Bits left_together(const Ray& ray) const {
+  [[nodiscard]] simd::Bits departed_together(const Ray& ray) const {
     std::size_t index = 0;
     const auto is_of = [&]<class T>(std::type_identity<T>) {
-      const std::uint32_t left = left_by<T>(ray);
-      index += left == simd::no_surface ? scene_->template surfaces<T>().size() : left;
-      return left != simd::no_surface;
+      const std::uint32_t departed = departed_by<T>(ray);
+      index += departed == simd::no_surface ? scene_->template surfaces<T>().size() : departed;
+      return departed != simd::no_surface;
     };
-    return (is_of(std::type_identity<S>{}) || ...) ? left_together_[index] : 0;
+    return (is_of(std::type_identity<S>{}) || ...) ? departed_together_[index] : 0;
   }
 
   /// Throws std::logic_error if the scene has more or fewer surfaces of a type than when it was accelerated.
@@ -122,8 +122,8 @@ class Accelerated<Scene<S...>> {
                            "; accelerate it again after its surfaces have changed");
   }
 
-  /// Finds the surfaces that are left together with each.
-  void find_left_together() {
+  /// Finds the surfaces that a ray departs from together with each.
+  void find_departed_together() {
     const auto each = [&](const auto& visit) {
       std::size_t index = 0;
       const auto each_of = [&](const auto& surfaces) {
@@ -131,12 +131,12 @@ class Accelerated<Scene<S...>> {
       };
       (each_of(scene_->template surfaces<S>()), ...);
     };
-    each([&]<class T>(const T& left, std::size_t index) {
+    each([&]<class T>(const T& departed, std::size_t index) {
       if constexpr (!is_made_of_primitives<T>) {
-        const Ray ray{.departure = functions_of<T>.departure(&left, 0)};
+        const Ray ray{.departure = functions_of<T>.departure(&departed, 0)};
         each([&](const auto& surface, std::size_t k) {
           if constexpr (requires { surface.is_left_by(ray); })
-            left_together_[index] |= simd::Bits{surface.is_left_by(ray)} << k;
+            departed_together_[index] |= simd::Bits{surface.is_left_by(ray)} << k;
         });
       }
     });
@@ -158,27 +158,28 @@ class Accelerated<Scene<S...>> {
       // Crossings that may precede this one, given its error, stay in range.
       range.max = std::min(range.max, upper_bound_of(crossing->t));
     };
-    const std::uint32_t left = left_by<T>(ray);
-    if (left != simd::no_surface && !leaves_for_good(surfaces[left], ray, range)) look_at(left);
-    finder<T>().search_closest(ray, range, left, look_at);
+    const std::uint32_t departed = departed_by<T>(ray);
+    if (departed != simd::no_surface && !leaves_for_good(surfaces[departed], ray, range)) look_at(departed);
+    finder<T>().search_closest(ray, range, departed, look_at);
   }
 
   template <class T>
   [[nodiscard]] bool occluded_by(const Ray& ray, const Interval& range) const {
     const auto& surfaces = scene_->template surfaces<T>();
     if (surfaces.empty()) return false;
-    const std::uint32_t left = left_by<T>(ray);
+    const std::uint32_t departed = departed_by<T>(ray);
     const auto is_hit = [&](std::uint32_t i) { return any_hit(surfaces[i], ray, range); };
-    if (left != simd::no_surface && !leaves_for_good(surfaces[left], ray, range) && is_hit(left)) return true;
-    return finder<T>().any_crossed(ray, range, left, is_hit);
+    if (departed != simd::no_surface && !leaves_for_good(surfaces[departed], ray, range) && is_hit(departed))
+      return true;
+    return finder<T>().any_crossed(ray, range, departed, is_hit);
   }
 
   template <class T>
   void cross(const Ray& ray, const Interval& range, auto&& visit) const {
     PlainVector<std::uint32_t> candidates;
-    const std::uint32_t left = left_by<T>(ray);
-    if (left != simd::no_surface) candidates.push_back(left);
-    finder<T>().each_candidate(ray, range, left, [&](std::uint32_t i) {
+    const std::uint32_t departed = departed_by<T>(ray);
+    if (departed != simd::no_surface) candidates.push_back(departed);
+    finder<T>().each_candidate(ray, range, departed, [&](std::uint32_t i) {
       candidates.push_back(i);
       return false;
     });
@@ -195,12 +196,13 @@ class Accelerated<Scene<S...>> {
   /// Returns the index of the surface of one type that the ray leaves, or no_surface. It is tested
   /// apart, since the digits of the origin may lie outside of its bounds.
   template <class T>
-  [[nodiscard]] std::uint32_t left_by(const Ray& ray) const {
+  [[nodiscard]] std::uint32_t departed_by(const Ray& ray) const {
     const auto& surfaces = scene_->template surfaces<T>();
-    const auto* const left = static_cast<const T*>(ray.departure.surface);
+    const auto* const departed = static_cast<const T*>(ray.departure.surface);
     const std::less<const T*> before;
-    if (left != nullptr && !before(left, surfaces.data()) && before(left, surfaces.data() + surfaces.size()))
-      return static_cast<std::uint32_t>(left - surfaces.data());
+    if (departed != nullptr && !before(departed, surfaces.data()) &&
+        before(departed, surfaces.data() + surfaces.size()))
+      return static_cast<std::uint32_t>(departed - surfaces.data());
     return simd::no_surface;
   }
 
@@ -214,7 +216,9 @@ class Accelerated<Scene<S...>> {
   const Scene<S...>* scene_;
   Counts counts_;  ///< when the scene was accelerated
   Finders finders_;
-  std::array<simd::Bits, simd::few_surfaces> left_together_{};  ///< with each surface; 0 in a larger scene
+
+  /// Surfaces that a ray departs from together with each; 0 in a larger scene.
+  std::array<simd::Bits, simd::few_surfaces> departed_together_{};
 };
 
 /// Returns an accelerated scene, with the same answers sooner; call it once all surfaces are in the scene.

@@ -33,7 +33,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Index of no surface.
 inline constexpr std::uint32_t no_surface = ~std::uint32_t{0};
 
-/// Finds the surfaces of one type that a ray may meet, without that at the index `left`, which the ray
+/// Finds the surfaces of one type that a ray may meet, without that at the index `departed`, which the ray
 /// departs from and the caller tests apart (no_surface: none). This template is for types without bounds and
 /// visits all others.
 template <Surface T>
@@ -44,24 +44,24 @@ class Finder {
 
   /// Calls visit(i) for a set of surfaces with all that a ray crosses inside the range, in any order, until a
   /// call returns true; returns true if one did.
-  bool each_candidate(const Ray&, const Interval&, std::uint32_t left, const auto& visit) const {
+  bool each_candidate(const Ray&, const Interval&, std::uint32_t departed, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
-      if (i != left && visit(i)) return true;
+      if (i != departed && visit(i)) return true;
     return false;
   }
 
   /// Returns true if a ray crosses any surface inside the range; visit(i) decides for one surface if bounds
   /// do not.
-  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
-    return each_candidate(ray, range, left, visit);
+  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t departed, const auto& visit) const {
+    return each_candidate(ray, range, departed, visit);
   }
 
   /// Calls visit(i), roughly near to far, for a set of surfaces with that of the closest hit inside the
   /// range. `range` refers to a variable of the caller, which a visit may shorten: it is read again after
   /// each.
-  void search_closest(const Ray&, const Interval&, std::uint32_t left, const auto& visit) const {
+  void search_closest(const Ray&, const Interval&, std::uint32_t departed, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
-      if (i != left) visit(i);
+      if (i != departed) visit(i);
   }
 
   /// Tells visit of each surface that may reach into every one of the half-spaces, some at a time; `first` is
@@ -92,20 +92,22 @@ class Finder<T> {
         bvh_(
             surfaces.size(), [&](std::size_t i) { return surfaces[i].bounds(); }, {.most = 1}, options) {}
 
-  bool each_candidate(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
-    const auto visit_other = [&](std::uint32_t i) { return i != left && visit(i); };
+  bool each_candidate(const Ray& ray, const Interval& range, std::uint32_t departed,
+                      const auto& visit) const {
+    const auto visit_other = [&](std::uint32_t i) { return i != departed && visit(i); };
     return each_along<Order::any>(bvh_, ray, range, visit_other, [&](const BoxRay&, Leaf leaf, Reach&) {
       return visit_other(bvh_.order()[leaf.first]);
     });
   }
 
-  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
-    return each_candidate(ray, range, left, visit);
+  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t departed, const auto& visit) const {
+    return each_candidate(ray, range, departed, visit);
   }
 
-  void search_closest(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+  void search_closest(const Ray& ray, const Interval& range, std::uint32_t departed,
+                      const auto& visit) const {
     const auto visit_other = [&](std::uint32_t i) {
-      if (i != left) visit(i);
+      if (i != departed) visit(i);
       return false;
     };
     each_along<Order::near_first>(bvh_, ray, range, visit_other,
@@ -152,22 +154,23 @@ class Finder<Sphere> {
     for (const std::uint32_t i : bvh_.unbounded()) position_[i] = nowhere;
   }
 
-  bool each_candidate(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
-    if (few_.has_all()) return each_of_few(ray, range, left, visit);
-    const std::uint32_t passed_over = position(left);
+  bool each_candidate(const Ray& ray, const Interval& range, std::uint32_t departed,
+                      const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, departed, visit);
+    const std::uint32_t passed_over = position(departed);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& reach) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes)
         if (any_of(maybe(leaves_.pass(leaf, i, line), leaf, i, reach, passed_over), leaf.first + i, visit))
           return true;
       return false;
     };
-    const auto visit_other = [&](std::uint32_t i) { return i != left && visit(i); };
+    const auto visit_other = [&](std::uint32_t i) { return i != departed && visit(i); };
     return each_along<Order::any>(bvh_, ray, range, visit_other, visit_leaf);
   }
 
-  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
-    if (few_.has_all()) return each_of_few(ray, range, left, visit);
-    const std::uint32_t passed_over = position(left);
+  bool any_crossed(const Ray& ray, const Interval& range, std::uint32_t departed, const auto& visit) const {
+    if (few_.has_all()) return each_of_few(ray, range, departed, visit);
+    const std::uint32_t passed_over = position(departed);
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& reach) {
       for (std::uint32_t i = 0; i < leaf.count; i += float_lanes) {
         const SpherePass passed = leaves_.pass(leaf, i, line);
@@ -179,23 +182,24 @@ class Finder<Sphere> {
       }
       return false;
     };
-    const auto visit_other = [&](std::uint32_t i) { return i != left && visit(i); };
+    const auto visit_other = [&](std::uint32_t i) { return i != departed && visit(i); };
     return each_along<Order::any>(bvh_, ray, range, visit_other, visit_leaf);
   }
 
   /// Calls visit(i) for a set of spheres with that of the closest hit inside the range. A sphere that is
   /// surely entered before all known ones is visited last: mostly a nearer one is found until then, or there
   /// is no other.
-  void search_closest(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+  void search_closest(const Ray& ray, const Interval& range, std::uint32_t departed,
+                      const auto& visit) const {
     const auto visit_other = [&](std::uint32_t i) {
-      if (i != left) visit(i);
+      if (i != departed) visit(i);
       return false;
     };
     if (few_.has_all()) {
-      each_of_few(ray, range, left, visit_other);
+      each_of_few(ray, range, departed, visit_other);
       return;
     }
-    const std::uint32_t passed_over = position(left);
+    const std::uint32_t passed_over = position(departed);
     std::uint32_t waiting = 0;
     float waiting_near = infinite;
     const auto visit_leaf = [&](const BoxRay& line, Leaf leaf, Reach& reach) {
@@ -280,9 +284,9 @@ class Finder<Sphere> {
            ~(Bits{k < 32} << (k % 32));
   }
 
-  bool each_of_few(const Ray& ray, const Interval& range, std::uint32_t left, const auto& visit) const {
+  bool each_of_few(const Ray& ray, const Interval& range, std::uint32_t departed, const auto& visit) const {
     for (const int k : lanes_in(few_.met(ray, range)))
-      if (const auto i = static_cast<std::uint32_t>(k); i != left && visit(i)) return true;
+      if (const auto i = static_cast<std::uint32_t>(k); i != departed && visit(i)) return true;
     return false;
   }
 

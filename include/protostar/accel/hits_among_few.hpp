@@ -52,7 +52,7 @@ class HitsAmongFew : public TileHits<S...> {
       const double of_ray[7] = {one.origin.x,    one.origin.y,    one.origin.z, one.direction.x,
                                 one.direction.y, one.direction.z, one.time};
       for (std::size_t i = 0; i < 7; ++i) numbers[i][k] = of_ray[i];
-      for (const int surface : lanes_in(everything.left_together(one))) leaving[surface] |= Bits{1} << k;
+      for (const int surface : lanes_in(everything.departed_together(one))) leaving[surface] |= Bits{1} << k;
     }
     const auto load = [&](std::size_t i) { return Doubles::load(numbers[i].data()); };
     RayPacket rays({load(0), load(1), load(2)}, {load(3), load(4), load(5)},
@@ -64,12 +64,12 @@ class HitsAmongFew : public TileHits<S...> {
     std::int64_t index = 0;
     const auto test_all = [&]<class T>(const SceneVector<T>& surfaces) {
       for (const T& surface : surfaces) {
-        const Bits left = leaving[index] & bits(rays.active);
-        const LaneMask others = rays.active && !mask_of<double, double_lanes>(left);
+        const Bits alone = leaving[index] & bits(rays.active);
+        const LaneMask others = rays.active && !mask_of<double, double_lanes>(alone);
         count_tests(rays.active);
         ClosestCrossings first = first_crossings(surface, rays, others, Interval{});
         if constexpr (protostar::detail::is_quadratic<T>)
-          for (const int lane : lanes_in(left))
+          for (const int lane : lanes_in(alone))
             if (const auto crossing =
                     first_crossing(surface, ray(static_cast<std::size_t>(lane)), Interval{})) {
               first.t.set(lane, crossing->t);

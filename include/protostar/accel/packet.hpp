@@ -192,13 +192,12 @@ template <Surface S>
                                                                          LaneMask active, Interval range,
                                                                          Indices& numbers) {
   ClosestCrossings first{.t = infinity, .met = false, .in_doubt = false};
-  for (const int lane : lanes_in(active)) {
+  for (const int lane : lanes_in(active))
     if (const auto crossing = first_crossing(surface, rays[lane], range)) {
       first.t.set(lane, crossing->t);
       numbers.set(lane, number_of(*crossing));
       first.met = first.met || mask_of<double, double_lanes>(Bits{1} << lane);
     }
-  }
   return first;
 }
 

@@ -262,23 +262,24 @@ class TileHits {
   /// sees several if they are small.
   [[gnu::always_inline]] void test_seen(const Indices& seen, const RayPacket& rays, Closest& closest,
                                         LaneMask& in_doubt) const {
-    LaneMask left = rays.active && mask_for<double>(seen >= Indices(0));
-    if (!any(left)) return;
+    LaneMask remaining = rays.active && mask_for<double>(seen >= Indices(0));
+    if (!any(remaining)) return;
     if constexpr ((std::same_as<S, Sphere> || ...)) {
       const auto& spheres = scene_.template surfaces<Sphere>();
       const Indices at = seen - Indices(first_sphere(scene_));
-      const LaneMask here = left && mask_for<double>(at >= Indices(0) &&
-                                                     at < Indices(static_cast<std::int64_t>(spheres.size())));
+      const LaneMask here =
+          remaining &&
+          mask_for<double>(at >= Indices(0) && at < Indices(static_cast<std::int64_t>(spheres.size())));
       if (any(here)) {
         count_tests(here);
         const SpheresInLanes gathered(spheres.data(), select(here, at, Indices(0)));
         const auto first = first_root_of_each(gathered.equation(rays), here);
         keep_closer({first.t, first.is_there, first.in_doubt, first.is_far}, seen, closest, in_doubt);
-        left = left && !here;
+        remaining = remaining && !here;
       }
     }
-    while (any(left)) {
-      const Group group = take_group(seen, left);
+    while (any(remaining)) {
+      const Group group = take_group(seen, remaining);
       count_tests(group.lanes);
       visit(group.number, [&](const auto& surface, const Material&) {
         test(surface, group.number, rays, group.lanes, true, closest, in_doubt);

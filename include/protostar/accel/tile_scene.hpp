@@ -116,10 +116,10 @@ class TileScene : public HitsAmongFew<S...> {
 
   /// Returns which camera rays have any hit in the range.
   [[nodiscard]] LaneMask occluded(const CameraPacket& rays, Interval range) const {
-    LaneMask found = false, left = rays.active;
+    LaneMask found = false, remaining = rays.active;
     for (const std::uint32_t index : candidates_.indices()) {
-      if (!any(left)) break;
-      test_any(index, rays, range, true, found, left);
+      if (!any(remaining)) break;
+      test_any(index, rays, range, true, found, remaining);
     }
     return found;
   }
@@ -198,14 +198,14 @@ class TileScene : public HitsAmongFew<S...> {
     return inlined_occluded(rays, range);
   }
   [[nodiscard]] LaneMask inlined_occluded(const RayPacket& rays, Interval range) const {
-    LaneMask found = false, left = rays.active;
-    state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(left)));
-    if (!any(left)) return found;
+    LaneMask found = false, remaining = rays.active;
+    state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(remaining)));
+    if (!any(remaining)) return found;
     // Copies, here and below, let the packet itself stay in registers.
     if (rays.leave_primitives()) return occluded_one_by_one(RayPacket(rays), range);
     if (scene_.size() > few_surfaces) return occluded_among_many(RayPacket(rays), range);
-    for (std::size_t index = 0; index < scene_.size() && any(left); ++index)
-      test_any(static_cast<std::int64_t>(index), rays, range, false, found, left);
+    for (std::size_t index = 0; index < scene_.size() && any(remaining); ++index)
+      test_any(static_cast<std::int64_t>(index), rays, range, false, found, remaining);
     return found;
   }
 
@@ -217,10 +217,10 @@ class TileScene : public HitsAmongFew<S...> {
                                            accelerated_.frustum_query(half_spaces, visit_some);
                                          });
     if (indices == nullptr) return occluded_one_by_one(rays, range);
-    LaneMask found = false, left = rays.active;
+    LaneMask found = false, remaining = rays.active;
     for (const int index : *indices) {
-      test_any(index, rays, range, false, found, left);
-      if (!any(left)) break;
+      test_any(index, rays, range, false, found, remaining);
+      if (!any(remaining)) break;
     }
     return found;
   }
@@ -234,26 +234,26 @@ class TileScene : public HitsAmongFew<S...> {
     return found;
   }
 
-  /// Moves the rays that cross a surface inside the range from left to found.
+  /// Moves the rays that cross a surface inside the range from `remaining` to `found`.
   void test_any(std::int64_t index, const RayPacket& rays, Interval range,
-                [[maybe_unused]] bool are_of_camera, LaneMask& found, LaneMask& left) const {
-    count_tests(left);
+                [[maybe_unused]] bool are_of_camera, LaneMask& found, LaneMask& remaining) const {
+    count_tests(remaining);
     visit(index, [&]<class T>(const T& surface, const Material&) {
       CrossedByEach<LaneMask> tested{.crossed = false, .in_doubt = false};
       bool is_drawn = false;
       if constexpr (RasterizedSurface<T>)
         if (are_of_camera && range.min == 0 && range.max == infinity)
           if (const auto* const drawn = this->template buffer_at<T>(index)) {
-            const auto seen = drawn->seen(left, this->first_x_, this->first_y_);
+            const auto seen = drawn->seen(remaining, this->first_x_, this->first_y_);
             tested = {.crossed = seen.met, .in_doubt = seen.in_doubt};
             is_drawn = true;
           }
-      if (!is_drawn) tested = crossed_in(surface, rays, left, range);
+      if (!is_drawn) tested = crossed_in(surface, rays, remaining, range);
       LaneMask crossed = tested.crossed;
       if (any(tested.in_doubt)) crossed = crossed || decide(surface, RayPacket(rays), tested.in_doubt, range);
       if (!any(crossed)) return;
       found = found || crossed;
-      left = left && !crossed;
+      remaining = remaining && !crossed;
     });
   }
 

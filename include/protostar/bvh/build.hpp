@@ -4,7 +4,7 @@
 // a cut costs
 //   area(left) · count(left) + area(right) · count(right),
 // and the cheapest of the cuts between up to 16 slices on each of the three axes is taken. A node has
-// node_width children, or fewer if no part that is left fits into its free places as leaves.
+// node_width children, or fewer if no remaining part fits into its free places as leaves.
 //
 // Ranges of many primitives are cut before nodes are made of them: the largest by all threads together, each
 // cutting a part of it, and then as many ranges at a time as there are threads. The nodes of a level do not

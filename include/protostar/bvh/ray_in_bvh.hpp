@@ -75,7 +75,7 @@ bool any_of(std::span<const std::uint32_t> things, const auto& visit) {
   return line.usable && range.min >= 0;
 }
 
-/// Outcome of visits: one returned true, none did and all primitives were visited, or leaves are left.
+/// Outcome of visits: one returned true, none did and all primitives were visited, or leaves remain.
 enum class Visited : std::uint8_t { until_true, all, some };
 
 /// Calls visit(i) for the primitives that are in no leaf of a tree, or for all primitives if boxes do not

@@ -80,7 +80,7 @@ class JpegCheck {
     height_ = frame.number(2, where);
     width_ = frame.number(2, where);
     jpeg_.require_pixels(width_, height_, most_pixels);
-    for (std::uint32_t left = frame.number(1, where); left > 0; --left) {
+    for (std::uint32_t remaining = frame.number(1, where); remaining > 0; --remaining) {
       const std::uint32_t id = frame.number(1, where), sampling = frame.number(1, where);
       components_.push_back({id, sampling >> 4, sampling & 15, frame.number(1, where)});
       most_h_ = std::max<std::int64_t>(most_h_, sampling >> 4);

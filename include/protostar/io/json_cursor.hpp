@@ -29,11 +29,11 @@ namespace protostar::inline PROTOSTAR_ABI::detail {
 template <class Names>
 std::string list_of(const Names& names, const std::string& last = " and ") {
   std::string text;
-  std::size_t left = std::size(names);
+  std::size_t remaining = std::size(names);
   for (const auto& name : names) {
     text += name;
-    --left;
-    text += left > 1 ? ", " : left == 1 ? last : "";
+    --remaining;
+    text += remaining > 1 ? ", " : remaining == 1 ? last : "";
   }
   return text;
 }

@@ -27,10 +27,10 @@ struct ExactLinear {
 struct ExactQuadratic {
   ExactNumber A, b, c;
 
-  /// Returns A t = 2 b, which is left of the equation if the line starts on the surface, where c = 0.
+  /// Returns A t = 2 b, which remains of the equation if the line starts on the surface, where c = 0.
   [[nodiscard]] ExactLinear without_root_at_0() const { return {.height = b + b, .slope = A}; }
 
-  /// Returns the equation that is left if A is 0.
+  /// Returns the equation that remains if A is 0.
   [[nodiscard]] ExactLinear without_square() const { return {.height = c, .slope = b + b}; }
 };
 

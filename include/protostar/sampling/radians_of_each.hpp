@@ -44,11 +44,11 @@ struct SinesCosines {
   using simd::Doubles;
   const auto [quarters, sine, cosine] = detail::ReducedAngle(angle);
   // Whole turns taken off, the quarters are from −2 to 2.
-  const Doubles left = quarters - 4.0 * nearest_whole(0.25 * quarters);
-  const auto is_odd = abs(left) == Doubles(1.0), is_half = abs(left) == Doubles(2.0);
+  const Doubles remaining = quarters - 4.0 * nearest_whole(0.25 * quarters);
+  const auto is_odd = abs(remaining) == Doubles(1.0), is_half = abs(remaining) == Doubles(2.0);
   const Doubles first = select(is_odd, cosine, sine), second = select(is_odd, sine, cosine);
-  return {select(is_half || left == Doubles(-1.0), -first, first),
-          select(is_half || left == Doubles(1.0), -second, second)};
+  return {select(is_half || remaining == Doubles(-1.0), -first, first),
+          select(is_half || remaining == Doubles(1.0), -second, second)};
 }
 
 /// Returns the sine in each lane of angles from 0 to less than 3π/4, with the bits of sine_and_cosine: at

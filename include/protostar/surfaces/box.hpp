@@ -155,12 +155,12 @@ struct Box {
 
   /// Derives the start of a ray from the ray's departure.
   [[nodiscard]] Start start_of(const Ray& ray) const {
-    const Departure& left = ray.departure;
-    if (!left.is_planar()) return {};
-    if (left.object == this) return {.face = left.primitive, .is_in_box = true};
+    const Departure& departed = ray.departure;
+    if (!departed.is_planar()) return {};
+    if (departed.object == this) return {.face = departed.primitive, .is_in_box = true};
     for (int face = 0; face < 6; ++face) {
-      const bool may_be_parallel = left.geometry[static_cast<std::size_t>(face / 2)] != 0;
-      if (may_be_parallel && left == departure(face))
+      const bool may_be_parallel = departed.geometry[static_cast<std::size_t>(face / 2)] != 0;
+      if (may_be_parallel && departed == departure(face))
         return {.face = face, .is_at_0 = std::abs(ray.origin[face / 2] - place(face)) <= near()};
     }
     return {};

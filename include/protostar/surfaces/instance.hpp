@@ -147,10 +147,10 @@ class Instance<S> {
   }
 
   /// Returns the departure in object space of a ray with a given departure outside.
-  [[nodiscard]] Departure departure_inside(const Departure& left) const {
-    if (left.kind == Departure::Kind::none) return {};
-    if (left.object == this) return departure_of(surface_, left.primitive);
-    const auto primitive = primitive_with(left);
+  [[nodiscard]] Departure departure_inside(const Departure& departed) const {
+    if (departed.kind == Departure::Kind::none) return {};
+    if (departed.object == this) return departure_of(surface_, departed.primitive);
+    const auto primitive = primitive_with(departed);
     if (!primitive) return {};
     Departure departure = departure_of(surface_, *primitive);
     departure.object = nullptr;  // the ray left another surface
@@ -166,9 +166,9 @@ class Instance<S> {
   }
 
   /// Returns a primitive whose plane or sphere is the one that the ray leaves on another surface.
-  [[nodiscard]] std::optional<int> primitive_with(const Departure& left) const {
-    if (primitives_.empty() || left.kind == Departure::Kind::object) return std::nullopt;
-    const auto found = primitives_.find(geometry_of(left));
+  [[nodiscard]] std::optional<int> primitive_with(const Departure& departed) const {
+    if (primitives_.empty() || departed.kind == Departure::Kind::object) return std::nullopt;
+    const auto found = primitives_.find(geometry_of(departed));
     return found == primitives_.end() ? std::nullopt : std::optional(found->second);
   }
 

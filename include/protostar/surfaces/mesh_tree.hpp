@@ -43,7 +43,7 @@ class TriangleTree {
     each_along<order>(
         bvh_, BoxRay(query.ray, bvh_.space(), widening(query, bvh_.space())), query.range,
         [&](std::uint32_t i) { return query.maybe(triangle(i), i); },
-        [&](const BoxRay& line, Leaf leaf, Reach& left) { return show<order>(query, line, leaf, left); },
+        [&](const BoxRay& line, Leaf leaf, Reach& reach) { return show<order>(query, line, leaf, reach); },
         [&](Leaf leaf) { leaves_.fetch<Read::soon>(leaf); });
   }
 
@@ -53,8 +53,8 @@ class TriangleTree {
     constexpr Order order = order_for<decltype(make(std::size_t{0}))>;
     each_along_interleaved<order>(
         bvh_, count, make, done, [&](auto& query, std::uint32_t i) { return query.maybe(triangle(i), i); },
-        [&](auto& query, const BoxRay& line, Leaf leaf, Reach& left) {
-          return show<order>(query, line, leaf, left);
+        [&](auto& query, const BoxRay& line, Leaf leaf, Reach& reach) {
+          return show<order>(query, line, leaf, reach);
         },
         [&](Leaf leaf) { leaves_.fetch<Read::later>(leaf); });
   }
@@ -80,7 +80,7 @@ class TriangleTree {
 
   /// Tells a query about the triangles of a leaf; returns true if it asks for nothing more.
   template <Order order>
-  [[gnu::always_inline]] bool show(auto& query, const BoxRay& line, Leaf leaf, Reach& left) const {
+  [[gnu::always_inline]] bool show(auto& query, const BoxRay& line, Leaf leaf, Reach& reach) const {
     bool any = false;
     for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
       const auto [crossed, in_doubt, t] = leaves_.tried(leaf, i, query.ray, query.line, query.range);
@@ -89,13 +89,11 @@ class TriangleTree {
       const auto place = [&](int k) { return leaves_.place(leaf, i + static_cast<std::uint32_t>(k)); };
       for (const int k : lanes_in(crossed))
         if (query.found(t[k], leaves_.number(place(k)))) return true;
-      for (const int k : lanes_in(in_doubt)) {
-        const TriangleLeaves::Place one = place(k);
-        if (query.maybe(leaves_.triangle(one), leaves_.number(one))) return true;
-      }
+      for (const int k : lanes_in(in_doubt))
+        if (query.maybe(leaves_.triangle(place(k)), leaves_.number(place(k)))) return true;
     }
     if constexpr (order == Order::near_first)
-      if (any) left.until = line.at_most(query.range.max);
+      if (any) reach.until = line.at_most(query.range.max);
     return false;
   }
 

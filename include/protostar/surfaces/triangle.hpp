@@ -87,8 +87,8 @@ static_assert(SurfaceWithEquation<Triangle> && SurfaceWithBounds<Triangle>);
 /// (docs/derivations.md, Leaving a mesh).
 class StartInTriangle {
  public:
-  StartInTriangle(const Ray& ray, const Triangle& left)
-      : left_(left), start_(ray.origin, left.a, left.b, left.c) {}
+  StartInTriangle(const Ray& ray, const Triangle& departed)
+      : departed_(departed), start_(ray.origin, departed.a, departed.b, departed.c) {}
 
   /// Returns an upper bound for its distance from the ray's origin, on each axis.
   [[nodiscard]] double distance() const { return start_.distance(); }
@@ -166,11 +166,11 @@ class StartInTriangle {
 
   [[nodiscard]] bool is_parallel_to(const Triangle& other) const {
     const ExactVector sine =
-        cross(exact_normal(left_.a, left_.b, left_.c), exact_normal(other.a, other.b, other.c));
+        cross(exact_normal(departed_.a, departed_.b, departed_.c), exact_normal(other.a, other.b, other.c));
     return std::all_of(sine.begin(), sine.end(), [](const ExactNumber& x) { return x.sign() == 0; });
   }
 
-  Triangle left_;
+  Triangle departed_;
   InnerPoint start_;
 };
 
