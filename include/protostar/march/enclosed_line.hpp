@@ -1,13 +1,37 @@
-// The line of a ray as enclosed numbers, in double and in double-double.
+// The line of a ray for a march: with a direction of moderate size, and as enclosed numbers, in double and in
+// double-double.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
+#include "../bounds.hpp"
 #include "../exact/enclosure.hpp"
+#include "../interval.hpp"
+#include "../numeric/scale.hpp"
 #include "../transformed_ray.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// Line of a ray in doubles whose direction is of moderate size, so that squares of it are in the range of
+/// double. The parameter `t` of the ray is `unit` times that of the line.
+struct ModerateLine : RoundedLine {
+  double unit = 1;  ///< a power of two from 2^-1000 to 2^1000
+
+  /// Takes the line of a ray. The smallest doubles, 2^-1074, become 2^-74. Products that underflow are off by
+  /// 2^-1075, for which 2^-1060 stands.
+  explicit ModerateLine(const Ray& ray) : RoundedLine(rounded_line(ray)) {
+    if (is_of_moderate_size(direction)) return;
+    unit = power_of_two(-std::clamp(exponent_of({direction}), -1000, 1000));
+    for (int k = 0; k < 3; ++k) {
+      const double given = direction[k], error = direction_error[k];
+      direction[k] *= unit;
+      if (direction[k] / unit != given || error != 0) direction_error[k] = unit * error + 0x1p-1060;
+    }
+  }
+};
 
 /// Line of points whose coordinates are enclosed.
 template <class B>
@@ -29,15 +53,18 @@ struct EnclosedLine {
   return result;
 }
 
-/// Returns the line of a ray in double-double. Exact numbers are rounded to it with relative errors of
-/// 2^-103, and a quotient of two has one of less than 2^-101; the enclosure is twice as wide.
+/// Returns the line of a ray in double-double, from that in double, its direction times `unit`. Exact numbers
+/// are rounded to it with relative errors of 2^-103, and a quotient of two has one of less than 2^-101; the
+/// enclosure is twice as wide.
 [[nodiscard, gnu::noinline, gnu::cold]] inline EnclosedLine<DoubleDouble> enclosed_exact_line(
-    const Ray& ray) {
+    const Ray& ray, const RoundedLine& rounded, double unit = 1) {
   EnclosedLine<DoubleDouble> result;
-  const auto at = [](double x) { return Enclosure<DoubleDouble>{DoubleDouble(x), DoubleDouble(x)}; };
   if (ray.transform == nullptr) {
-    for (int k = 0; k < 3; ++k)
-      result.origin[k] = at(ray.origin[k]), result.direction[k] = at(ray.direction[k]);
+    for (int k = 0; k < 3; ++k) {
+      const DoubleDouble d = rounded.direction[k], error = 2 * rounded.direction_error[k];
+      result.origin[k] = Enclosure<DoubleDouble>(rounded.origin[k]),
+      result.direction[k] = {d - error, d + error};
+    }
     return result;
   }
   const ExactLine line = exact_line(ray);
@@ -48,9 +75,28 @@ struct EnclosedLine {
   };
   for (std::size_t k = 0; k < 3; ++k) {
     result.origin[k] = quotient(line.origin[k]);
-    result.direction[k] = quotient(line.direction[k]);
+    result.direction[k] = quotient(ExactNumber(unit) * line.direction[k]);
   }
   return result;
+}
+
+/// Returns the parameters of a line inside a box, rounded outward.
+[[nodiscard, gnu::noinline, gnu::cold]] inline Interval inside_of(const Bounds& box,
+                                                                  const EnclosedLine<DoubleDouble>& line) {
+  constexpr double most = std::numeric_limits<double>::max();
+  Interval span{-most, most};
+  for (int k = 0; k < 3; ++k) {
+    using E = Enclosure<DoubleDouble>;
+    const E to_min = E(box.min[k]) - line.origin[k], to_max = E(box.max[k]) - line.origin[k];
+    if (line.direction[k].contains(DoubleDouble(0.0))) {  // it is 0, or underflows
+      if (to_min.lower.hi > 0 || to_max.upper.hi < 0) return {infinity, -infinity};
+      continue;
+    }
+    const E t = hull(to_min / line.direction[k], to_max / line.direction[k]);
+    span.min = std::max(span.min, std::nextafter(t.lower.hi, -infinity));
+    span.max = std::min(span.max, std::nextafter(t.upper.hi, infinity));
+  }
+  return span;
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI::detail

@@ -54,7 +54,7 @@ struct Span {
 };
 
 /// Returns the parameters of a line inside a box, or of one in each lane; they are not in order if there are
-/// none. They are rounded, so the margin of a march has to be far wider than that.
+/// none. They are rounded.
 template <class R>
 [[nodiscard]] Span<R> span_inside(const Bounds& box, const auto& origin, const auto& direction) {
   Span<R> span;
@@ -64,11 +64,53 @@ template <class R>
   return span;
 }
 
-/// Returns the parameters of a line inside a box.
-[[nodiscard]] inline Interval inside_of(const Bounds& box, const Point& origin, const Vec3& direction) {
-  const Span<double> span = span_inside<double>(box, origin, direction);
-  return {span.min, span.max};
-}
+/// Error of points o + t·d of a line, or of one in each lane, for |t| ≤ T, from the lengths of o and d and of
+/// their errors: that of their rounding, twice as much for other roundings of t (above), and twice that of o
+/// and d.
+template <class R>
+struct PointError {
+  R off;
+  decltype(R() < R()) is_known;  ///< true if points in double may be relied upon
+
+  /// Takes the margin by which the box of a field is larger than the part that counts.
+  ///
+  /// Points farther off are too far: the set-up of a field says nothing of those beyond its margin. Otherwise
+  /// the line inside the box, by span_inside, contains what is in the part that counts: an end of it, at a
+  /// face, is rounded by 2u |t·d|, a sixth of the margin, and a line that is outside there by a quarter of
+  /// the margin or more does not turn back, since its direction is off by 2^-20 of itself at most.
+  PointError(double margin, const R& o, const R& d, const R& T, const R& o_error, const R& d_error)
+      : off(R(0x1p-53) * (R(2) * o + R(6) * T * d) + R(2) * (o_error + T * d_error)),
+        is_known(off < R(margin / 2) && d_error < R(0x1p-20) * d) {}
+};
+
+/// Returns the length of a vector, by operations that are rounded alike everywhere.
+[[nodiscard]] inline double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
+
+/// Line of a ray, and the part of it inside a box that is larger by a margin than the part that counts.
+struct LineInBox : ModerateLine {
+  Interval span;  ///< empty if its ends are not in order
+  double o = norm(origin), d = norm(direction), d_error = norm(direction_error);
+  PointError<double> points;
+
+  /// Where points in double may come out beyond the margin, as from far away, the ends of the span are
+  /// enclosed. A line without errors misses a box whose face it is beside.
+  LineInBox(const Ray& ray, const Bounds& box, double margin)
+      : ModerateLine(ray),
+        span(span_of(box)),
+        points(margin, o, d, largest_t(), norm(origin_error), d_error) {
+    const bool is_beside = span.min == infinity && ray.transform == nullptr;
+    if (!points.is_known && !is_beside) span = inside_of(box, enclosed_exact_line(ray, *this, unit));
+  }
+
+  /// Returns the largest |t| on the span.
+  [[nodiscard]] double largest_t() const { return std::max(std::abs(span.min), std::abs(span.max)); }
+
+ private:
+  [[nodiscard]] Interval span_of(const Bounds& box) const {
+    const auto rounded = span_inside<double>(box, origin, direction);
+    return {rounded.min, rounded.max};
+  }
+};
 
 /// Returns a lower bound of the second derivatives of f, or of −f if the sign is −1, along unit vectors.
 [[nodiscard]] inline double least_curvature(const FieldBound& bound, double sign) {
@@ -84,19 +126,16 @@ struct LineScale {
   R extent;      ///< half the size of the field's box, as a difference of t
   R resolution;  ///< difference in t below the digits of points in double-double
 
-  /// Takes the lengths of a line's origin and direction, and of their errors, and the largest |t| on it.
-  LineScale(const MarchSetup& setup, const R& o, const R& d, const R& largest_t, const R& o_error,
+  /// Takes the errors of points on a line, the lengths of its origin and direction, with its error, and the
+  /// largest |t| on it.
+  LineScale(const MarchSetup& setup, const PointError<R>& points, const R& o, const R& d, const R& T,
             const R& d_error) {
-    constexpr double u = 0x1p-53, more = 1 + 0x1p-40;  // more than the rounding of these formulas
-    const R T = largest_t, L(setup.bound.lipschitz);
-    const R off = R(u) * (R(2) * o + R(6) * T * d) + R(2) * (o_error + T * d_error);
+    constexpr double more = 1 + 0x1p-40;  // more than the rounding of these formulas
+    const R L(setup.bound.lipschitz);
     reach = R(1 - 0x1p-40) / (L * (d + d_error));
     bend = (d + d_error) * (d + d_error) * R(more);
-    // The set-up says nothing of points that may come out beyond the margin: then only enclosures count.
-    // Squares of components that count are above 2^-953, and lose nothing by underflow below 2^-1022.
-    const auto is_known =
-        off < R(setup.margin / 2) && R(0x1p-450) < d && R(0.0) < reach && reach < R(infinity);
-    error = rounding::select(is_known, (L * off + R(setup.bound.error)) * R(more), R(infinity));
+    const auto is_known = points.is_known && R(0.0) < reach && reach < R(infinity);
+    error = rounding::select(is_known, (L * points.off + R(setup.bound.error)) * R(more), R(infinity));
     const Vec3 size = setup.inside.max - setup.inside.min;
     extent = R(std::max({size.x, size.y, size.z})) / (R(2) * d);
     // Points in double-double are off by a few 2^-104 of |o| + T|d|: by less than that in t.
@@ -121,11 +160,8 @@ class FieldLine {
         bound_(setup.bound),
         ray_(ray),
         trace_(trace),
-        line_(rounded_line(ray)),
-        span_(detail::inside_of(setup.inside, line_.origin, line_.direction)),
-        scale_(setup, norm(line_.origin), norm(line_.direction),
-               std::max(std::abs(span_.min), std::abs(span_.max)), norm(line_.origin_error),
-               norm(line_.direction_error)) {
+        line_(ray, setup.inside, setup.margin),
+        scale_(setup, line_.points, line_.o, line_.d, line_.largest_t(), line_.d_error) {
     in_double_ = detail::enclosed_line(line_);
   }
 
@@ -133,7 +169,10 @@ class FieldLine {
   FieldLine& operator=(const FieldLine&) = delete;
 
   /// Returns the part of the line inside the box of the field; empty if its ends are not in order.
-  [[nodiscard]] Interval span() const { return span_; }
+  [[nodiscard]] Interval span() const { return line_.span; }
+
+  /// Returns what the parameters of this line are multiplied by for those of the ray.
+  [[nodiscard]] double unit() const { return line_.unit; }
 
   /// Bound of the error of value(t), infinite if double proves nothing on this line.
   [[nodiscard]] double error() const { return scale_.error; }
@@ -155,11 +194,9 @@ class FieldLine {
   /// Difference in t that lies below the digits of points in double-double.
   [[nodiscard]] double resolution() const { return scale_.resolution; }
 
-  [[nodiscard]] Trace& trace() { return trace_; }
-
   /// Tells the trace of a proof about [a, b], if there is one.
   void proven(MarchProof proof, bool is_proven, double a, double b) {
-    if (is_proven) trace_.proven(proof, a, b);
+    if (is_proven) trace_.proven(proof, a * unit(), b * unit());
   }
 
   /// Turns F around: a march goes on behind a crossing, or leaves inward.
@@ -210,22 +247,19 @@ class FieldLine {
         field_(FieldPoint<Slope<Enclosure<B>>>{coordinate(0), coordinate(1), coordinate(2)});
     const Slope<Enclosure<B>> result{turned(f.value - level<B>()), turned(f.slope)};
     tell(std::is_same_v<B, double> ? Evaluation::slope : Evaluation::precise_slope, static_cast<double>(a),
-         static_cast<double>(b), result.value.lower, result.value.upper, result.slope.lower,
-         result.slope.upper);
+         static_cast<double>(b), result.value.lower, result.value.upper, result.slope.lower * B(1 / unit()),
+         result.slope.upper * B(1 / unit()));
     return result;
   }
 
  private:
-  /// Tells the trace of an evaluation over [a, b], and a trace that takes results of these.
+  /// Tells the trace of an evaluation over [a, b] of this line, and a trace that takes results of these.
   void tell(Evaluation kind, double a, double b, const auto&... result) {
     if constexpr (std::is_base_of_v<MarchListener, Trace>)
-      trace_.evaluated(kind, a, b, {static_cast<double>(result)...});
+      trace_.evaluated(kind, a * unit(), b * unit(), {static_cast<double>(result)...});
     else
-      trace_.evaluated(kind, a, b);
+      trace_.evaluated(kind, a * unit(), b * unit());
   }
-
-  /// Returns the length of a vector, by operations that are rounded alike everywhere.
-  [[nodiscard]] static double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
 
   [[nodiscard]] double plain(double t) const {
     return plain_value(field_, line_.origin + t * line_.direction);
@@ -244,7 +278,7 @@ class FieldLine {
     if constexpr (std::is_same_v<B, double>) {
       return in_double_;
     } else {
-      if (!precise_) precise_ = detail::enclosed_exact_line(ray_);
+      if (!precise_) precise_ = detail::enclosed_exact_line(ray_, line_, unit());
       return *precise_;
     }
   }
@@ -270,11 +304,10 @@ class FieldLine {
   const FieldBound& bound_;
   const Ray& ray_;
   Trace& trace_;
-  RoundedLine line_;
+  detail::LineInBox line_;
   detail::EnclosedLine<double> in_double_;
   std::optional<detail::EnclosedLine<DoubleDouble>> precise_;
   std::optional<Enclosure<DoubleDouble>> precise_level_;
-  Interval span_;
   detail::LineScale<double> scale_;
   double sign_ = 1, level_ = 0, level_error_ = 0;
   double kept_t_ = 0, kept_ = 0;

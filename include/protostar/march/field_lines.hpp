@@ -26,12 +26,13 @@ class FieldLines {
         origin_(origin),
         direction_(direction),
         span_(detail::span_inside<Number>(setup.inside, origin, direction)),
-        scale_(setup, length(origin), length(direction),
-               simd::max(simd::abs(span_.min), simd::abs(span_.max)), 0.0, 0.0) {}
+        scale_(scale_of(setup, length(origin), length(direction),
+                        simd::max(simd::abs(span_.min), simd::abs(span_.max)))) {}
 
-  /// Returns the lanes that can be marched: finite rays for which double proves something.
+  /// Returns the lanes that can be marched: finite rays whose lengths are moderate, for which double proves
+  /// something.
   [[nodiscard]] Truth is_known() const {
-    return scale_.error < infinity && is_finite(origin_) && is_finite(direction_);
+    return scale_.error < infinity && is_finite(origin_) && is_of_moderate_size(direction_);
   }
 
   /// Returns where marches from the origins on begin; infinity where a ray is not in the box.
@@ -79,6 +80,10 @@ class FieldLines {
   }
 
  private:
+  static detail::LineScale<Number> scale_of(const MarchSetup& setup, Number o, Number d, Number largest_t) {
+    return {setup, {setup.margin, o, d, largest_t, 0.0, 0.0}, o, d, largest_t, 0.0};
+  }
+
   static void each(Truth lanes, const auto& visit) {
     for (simd::Bits left = bits(lanes); left != 0; left &= left - 1) visit(std::countr_zero(left));
   }

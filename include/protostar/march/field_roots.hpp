@@ -52,7 +52,7 @@ template <class Line>
     const double lo = static_cast<double>(slope.lower), hi = static_cast<double>(slope.upper);
     if (!(lo >= 0 || hi <= 0)) return std::nullopt;
     if (!(lo >= 0)) line.turn_to(-line.sign());
-    line.trace().proven(MarchProof::deflation, 0, h);
+    line.proven(MarchProof::deflation, true, 0, h);
     // The slope is rounded to double, and so are the products: less than 4u, of which 2^-50 is 8.
     return MarchStart{h, (lo >= 0 ? lo : -hi) * h * (1 - 0x1p-50)};
   };

@@ -36,11 +36,17 @@ namespace protostar::inline PROTOSTAR_ABI {
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 
-/// Returns v if products of a few such vectors stay in the range of double, and otherwise a vector of a
-/// length of about 1 in its direction.
+/// Tests whether products of a few such vectors, or of those in each lane, stay in the range of double.
+template <class V>
+[[nodiscard]] auto is_of_moderate_size(const V& v) {
+  using std::abs;
+  const auto size = abs(v.x) + abs(v.y) + abs(v.z);
+  return 0x1p-100 < size && size < 0x1p100;
+}
+
+/// Returns v if it is of moderate size, and otherwise a vector of a length of about 1 in its direction.
 [[nodiscard]] inline Vec3 of_moderate_size(const Vec3& v) {
-  const double size = std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
-  return 0x1p-100 < size && size < 0x1p100 ? v : scaled(v, -exponent_of({v}));
+  return is_of_moderate_size(v) ? v : scaled(v, -exponent_of({v}));
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

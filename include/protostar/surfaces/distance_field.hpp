@@ -62,8 +62,7 @@ class Marched<F> {
   /// Throws std::invalid_argument if the bounds are not finite, or empty, or the field has no
   /// bounded slope or value in them, or is found to jump.
   Marched(F field, const Bounds& bounds, int evaluations = usual_evaluations) : field_(std::move(field)) {
-    // Faces that lie in the bounds are inside of boxes that are a thousandth larger. Points of rays may come
-    // out beyond that by as much again.
+    // Points of rays may come out beyond the part that counts by as much again.
     setup_.margin = 0x1p-10 * detail::largest_side(bounds);
     setup_.inside = detail::widened(bounds, setup_.margin);
     setup_.bound = lipschitz_bound(field_, detail::widened(setup_.inside, setup_.margin), evaluations);
@@ -159,7 +158,9 @@ class Marched<F> {
     NoTrace trace;
     FieldLine line(field_, setup_, ray, trace);
     if (is_left_by(ray)) line.leave_level();
-    return detail::enclosed_root(line, crossing.t);
+    ExactRoot root = detail::enclosed_root(line, crossing.t / line.unit());
+    root.b = root.b * line.unit(), root.error = root.error * line.unit();
+    return root;
   }
 
   /// Marches along a ray, and tells a trace of each step (march_steps.hpp). Returns the first crossing in the
@@ -215,18 +216,19 @@ class Marched<F> {
     if (!is_proper(ray)) return;
     FieldLine line(field_, setup_, ray, trace);
     const Interval span = line.span();
-    if (!(span.min < span.max && std::isfinite(span.min) && std::isfinite(span.max))) return;
+    if (!(span.min < span.max)) return;
     const bool leaves = is_left_by(ray);
     int index = 0;
     const auto visit_next = [&](const MarchedRoot& root) {
-      const Crossing crossing{root.t(), index++};
-      return visit(crossing, root);
+      const MarchedRoot of_ray{root.answer, root.min * line.unit(), root.max * line.unit()};
+      const Crossing crossing{of_ray.t(), index++};
+      return visit(crossing, of_ray);
     };
     if (range.min < 0 && leaves && span.min < 0) {
       std::vector<MarchedRoot> behind;
       const Ray back = ray.reversed();
       FieldLine line_back(field_, setup_, back, trace);
-      detail::each_root(line_back, 0, -range.min, true, [&](const MarchedRoot& root) {
+      detail::each_root(line_back, 0, -range.min / line.unit(), true, [&](const MarchedRoot& root) {
         behind.push_back({root.answer, -root.max, -root.min});
         return false;
       });
@@ -234,7 +236,7 @@ class Marched<F> {
         if (visit_next(*root)) return;
     }
     const double begin = leaves ? 0 : range.min < 0 ? span.min : std::max(0.0, span.min);
-    detail::each_root(line, begin, range.max, leaves, visit_next);
+    detail::each_root(line, begin, range.max / line.unit(), leaves, visit_next);
   }
 
   [[nodiscard]] std::optional<std::pair<Crossing, MarchedRoot>> first_root(const Ray& ray, Interval range,
@@ -320,13 +322,18 @@ class Marched<F> {
   /// of sign is narrowed by bisection. A march of more than most_steps ends as a hit.
   [[nodiscard]] std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
     if (!is_proper(ray)) return std::nullopt;
-    const Interval span = detail::inside_of(bounds_, ray.origin, ray.direction);
-    const double end = span.max;  // steps do not depend on range.max, and with them the digits of t
-    const auto value = [&](double t) { return static_cast<double>(field_(ray.at(t))); };
-    const double speed = lipschitz_ * std::sqrt(dot(ray.direction, ray.direction));
-    const double close = closest * size_ * lipschitz_;
-    double t = std::max(span.min, range.min);
-    if (!(t < end && t < range.max)) return std::nullopt;
+    const detail::LineInBox line(ray, bounds_, 0x1p-10 * size_);
+    // Steps do not depend on `stop`, and with them the digits of t.
+    const double end = line.span.max, stop = range.max / line.unit;
+    const auto value = [&](double t) {
+      return static_cast<double>(field_(line.origin + t * line.direction));
+    };
+    const auto in_range = [&](double t) {
+      return range.contains(t * line.unit) ? std::optional(t * line.unit) : std::nullopt;
+    };
+    const double speed = lipschitz_ * line.d, close = closest * size_ * lipschitz_;
+    double t = std::max(line.span.min, range.min / line.unit);
+    if (!(t < end && t < stop)) return std::nullopt;
     double v = value(t);
     for (double step = close / speed; std::abs(v) <= close; step *= 2) {  // the surface that the ray leaves
       if (!(t + step < end)) return std::nullopt;
@@ -336,12 +343,12 @@ class Marched<F> {
       // A step below the last digit of t, as far from the coordinate origin, is the next double.
       const double step = std::max(t + std::abs(v) / speed, std::nextafter(t, infinity));
       const double next = std::min(step, end), v_next = value(next);
-      if ((v < 0) != (v_next < 0)) return root_between(value, t, next, range);
+      if ((v < 0) != (v_next < 0)) return in_range(root_between(value, t, next));
       t = next, v = v_next;
       if (std::abs(v) <= close) break;
-      if (!(t < end && t < range.max)) return std::nullopt;
+      if (!(t < end && t < stop)) return std::nullopt;
     }
-    return range.contains(t) ? std::optional(t) : std::nullopt;
+    return in_range(t);
   }
 
   /// Returns the unit gradient at a point, by differences over h = 2^-17 of the bounds' size: their error is
@@ -373,14 +380,13 @@ class Marched<F> {
  private:
   /// Returns the place between a and b where a value changes its sign, to the last digits of t: a double has
   /// 53, and 60 halvings are more.
-  [[nodiscard]] static std::optional<double> root_between(const auto& value, double a, double b,
-                                                          Interval range) {
+  [[nodiscard]] static double root_between(const auto& value, double a, double b) {
     const bool is_inside = value(a) < 0;
     for (int i = 0; i < 60; ++i) {
       const double middle = 0.5 * (a + b);
       ((value(middle) < 0) == is_inside ? a : b) = middle;
     }
-    return range.contains(b) ? std::optional(b) : std::nullopt;
+    return b;
   }
 
   F field_;

@@ -80,7 +80,7 @@ struct Torus {
   /// Returns a crossing, enclosed in double-double.
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
     ExactRoot root{.A = 1.0, .b = crossing.t, .D = {}, .error = enclosure_width * std::abs(crossing.t)};
-    const auto roots = enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray));
+    const auto roots = enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray, rounded_line(ray)));
     for (int i = 0; i < roots.count; ++i) {
       const Enclosure<DoubleDouble>& t = roots.root[i];
       const DoubleDouble middle = DoubleDouble(0.5) * (t.lower + t.upper);
@@ -162,7 +162,8 @@ struct Torus {
       return roots;
     }
     ++fallbacks.double_double;
-    const auto second = enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray));
+    const auto second =
+        enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray, rounded_line(ray)));
     bool is_decided = second.are_certain;
     for (int i = 0; i < second.count; ++i) {
       const Enclosure<DoubleDouble>& t = second.root[i];

@@ -1,0 +1,122 @@
+// Surfaces of fields, marched along rays from far away and along directions of any length, and their bounds.
+#include <cmath>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/distance_field.hpp>
+#include <protostar/surfaces/instance.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include "support/cases.hpp"
+#include "support/catch.hpp"
+#include "support/common.hpp"
+#include "support/errors.hpp"
+#include "support/fields.hpp"
+#include "support/random.hpp"
+#include "support/wrong_cases.hpp"
+
+using namespace protostar;
+
+namespace {
+
+const auto plain_sphere = [](const Point& p) { return length(p) - 1; };
+
+}  // namespace
+
+TEST_CASE("a marched surface is not missed from any distance") {
+  const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
+  const Marched plain{plain_sphere, Bounds{Point(-1.5), Point(1.5)}, 1.0};
+  for (int exponent = 30; exponent <= 400; exponent += 5) {
+    CAPTURE(exponent);
+    const double far = std::ldexp(1, exponent);
+    const auto before = fallbacks.undecided;
+    CHECK(marched.intersect({.origin = {0, 0, -far}, .direction = {0, 0, 1}}));
+    CHECK(marched.intersect({.origin = {far, 0.5, 0.25}, .direction = {-1, 0, 0}}));
+    CHECK(marched.intersect({.origin = {far, far, far}, .direction = {-1, -1, -1}}));
+    CHECK(fallbacks.undecided - before <= 3);
+    CHECK(plain.intersect({.origin = {0, 0, -far}, .direction = {0, 0, 1}}));
+    CHECK_FALSE(marched.intersect({.origin = {0, 1.75, -far}, .direction = {0, 0, 1}}));
+    CHECK_FALSE(marched.intersect({.origin = {0, 1.25, -far}, .direction = {0, 0, 1}}));
+    CHECK_FALSE(marched.intersect({.origin = {0, 0, -far}, .direction = {0, 0, -1}}));
+  }
+}
+
+TEST_CASE(
+    "from far away a marched sphere is hit where the exact one is, or the ray is counted as undecided") {
+  const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
+  Random random(11);
+  WrongCases wrong(random);
+  int hits = 0;
+  for (int i = 0; i < cases(300, 20000); ++i) {
+    const Vec3 direction = random.direction();
+    const double far = std::ldexp(1, 36 + i % 30);
+    const Ray ray{.origin = random.point(1.5) - far * direction, .direction = direction};
+    const auto before = fallbacks.undecided;
+    const bool is_hit = marched.intersect(ray).has_value(), is_true = Sphere{}.intersect(ray).has_value();
+    wrong.add(is_hit != is_true && !(is_hit && fallbacks.undecided > before), ray, is_hit, is_true);
+    hits += is_true;
+  }
+  CHECK(wrong == 0);
+  CHECK(hits > 20);
+}
+
+TEST_CASE("a marched surface in an instance is not missed from far away") {
+  const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
+  const Affine map = Affine{}.rotated_about({1, 2, 3}, 40).moved_by({0.5, 0.25, 0.125});
+  const Instance instance(marched, map);
+  for (int exponent = 30; exponent <= 80; exponent += 5) {
+    CAPTURE(exponent);
+    const double far = std::ldexp(1, exponent);
+    CHECK(instance.intersect({.origin = {0.5, 0.25, -far}, .direction = {0, 0, 1}}));
+    CHECK_FALSE(instance.intersect({.origin = {0.5, 2.25, -far}, .direction = {0, 0, 1}}));
+  }
+}
+
+TEST_CASE("the length of a direction does not change the answer of a march, but t by a power of two") {
+  const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
+  const Marched plain{plain_sphere, Bounds{Point(-1.5), Point(1.5)}, 1.0};
+  Random random(12);
+  WrongCases wrong(random);
+  for (int i = 0; i < cases(40, 400); ++i) {
+    const Ray ray = ray_into(random, 1.25);
+    MarchCounts counts;
+    const MarchedRoot root = marched.march(ray, {}, counts);
+    const auto t = plain.intersect(ray);
+    for (const int exponent : {-950, -700, -570, -540, -500, -200, -50, 50, 200, 520, 800, 950}) {
+      const double length = std::ldexp(1, exponent);
+      const Ray other{.origin = ray.origin, .direction = length * ray.direction};
+      MarchCounts other_counts;
+      const MarchedRoot of_other = marched.march(other, {}, other_counts);
+      wrong.add(of_other.answer != root.answer || of_other.min * length != root.min ||
+                    of_other.max * length != root.max,
+                exponent, ray, of_other.min * length, root.min);
+      wrong.add(other_counts.evaluations() != counts.evaluations(), exponent, ray);
+      const auto other_t = plain.intersect(other);
+      wrong.add(other_t.has_value() != t.has_value() || (t && *other_t * length != *t), exponent, ray);
+    }
+  }
+  CHECK(wrong == 0);
+  // Beside the surface, in the bounds, a ray hits nothing, and a ray from the surface ends.
+  for (const double length : {1e-300, 1e-170, 1e160, 1e300}) {
+    CAPTURE(length);
+    CHECK_FALSE(marched.intersect({.origin = {1.25, 1.25, 0}, .direction = {0, 0, length}}));
+    CHECK_FALSE(plain.intersect({.origin = {1.25, 1.25, 0}, .direction = {0, 0, length}}));
+    const auto t = marched.intersect({.origin = {0, 0, -1}, .direction = {0, 0, length}});
+    REQUIRE(t);
+    CHECK(std::abs(*t * length - 2) < 0x1p-29);
+    CHECK(marched.intersect({.origin = {0, 0, 0}, .direction = {0, 0, length}}));
+    CHECK_FALSE(marched.intersect({.origin = {0, 0, -2}, .direction = {0, 0, length}}, {0, 0.5 / length}));
+    CHECK(marched.intersect({.origin = {0, 0, -2}, .direction = {0, 0, length}}, {0, 1.5 / length}));
+    int crossings = 0;
+    marched.each_crossing({.origin = {0.25, 0, 0}, .direction = {0, 0, length}}, {-infinity, infinity},
+                          [&](const Crossing& crossing) {
+                            CHECK(std::abs(std::abs(crossing.t * length) - std::sqrt(0.9375)) < 0x1p-29);
+                            ++crossings;
+                          });
+    CHECK(crossings == 2);
+    Ray leaving{.origin = {0, 0, -1}, .direction = {0, 0, length}, .departure = marched.departure()};
+    const auto next = marched.intersect(leaving);
+    REQUIRE(next);
+    CHECK(std::abs(*next * length - 2) < 0x1p-29);
+    const ExactRoot root = marched.exact_root(leaving, {*next, 0});
+    CHECK(std::abs(refined(root).hi * length - 2) < 0x1p-50);
+  }
+}
