@@ -102,8 +102,7 @@ TEST_CASE("a wrong field is reported with its place, what was found and what is 
            "/field/size: 1 is not an array of three numbers greater than 0"},
           {field_error(R"({"type": "rounded-box", "size": [1, 1, 1], "radius": 0.75})"),
            "/field/radius: 0.75 is not possible: fields::RoundedBox: radius must be above 0, and at most "
-           "half the "
-           "shortest side"},
+           "half the shortest side; it is 0.75"},
           {field_error(R"({"type": "horn", "end": 1, "thickness": 0.1})"),
            "/field/end: 1 is not a number greater than 1, where the mouth of the horn is"},
           {field_error(R"({"type": "sponge", "size": 1, "levels": 13})"),
@@ -123,8 +122,7 @@ TEST_CASE("a wrong field is reported with its place, what was found and what is 
           {field_error(R"({"type": "repeat", "step": [1, 0, 0], "count": [40, 40, 1], "field": )" +
                        ball_field + "}"),
            "/field/count: [40,40,1] is not possible: fields::Repeated: count must be above 0 along each "
-           "axis, and "
-           "1024 in all at most"},
+           "axis, and 1024 in all at most; it is (40, 40, 1)"},
           {field_error(R"({"type": "scale", "factor": 0, "field": )" + ball_field + "}"),
            "/field/factor: 0 is not " + above_0},
           {field_error(R"({"type": "plane", "normal": [0, 1, 0], "distance": 0})"),

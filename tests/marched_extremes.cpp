@@ -1,5 +1,8 @@
 // Surfaces of fields, marched along rays from far away and along directions of any length, and their bounds.
 #include <cmath>
+#include <protostar/fields/operations.hpp>
+#include <protostar/fields/planar.hpp>
+#include <protostar/fields/shapes.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/distance_field.hpp>
 #include <protostar/surfaces/instance.hpp>
@@ -18,6 +21,11 @@ using namespace protostar;
 namespace {
 
 const auto plain_sphere = [](const Point& p) { return length(p) - 1; };
+
+struct InvalidField {
+  auto operator()(const auto& p) const { return length(p) - 1.0; }
+  void validate() const { throw std::invalid_argument("not valid"); }
+};
 
 }  // namespace
 
@@ -119,4 +127,46 @@ TEST_CASE("the length of a direction does not change the answer of a march, but 
     const ExactRoot root = marched.exact_root(leaving, {*next, 0});
     CHECK(std::abs(refined(root).hi * length - 2) < 0x1p-50);
   }
+}
+
+TEST_CASE("a marched field is validated, and each field that it is made of") {
+  const auto message = [](const auto& field) {
+    return message_of<std::invalid_argument>([&] { Marched surface(field, cube_bounds(4), 200); });
+  };
+  const std::string sizes = " must be from 2^-400 (3.9e-121) to 2^400 (2.6e120); it is ";
+  const fields::Sphere ball{1}, wrong{-1};
+  const std::string of_ball = "fields::Sphere: radius" + sizes + "-1";
+  CHECK(message(wrong) == of_ball);
+  CHECK(message(fields::unite(ball, wrong)) == of_ball);
+  CHECK(message(fields::subtract(wrong, ball)) == of_ball);
+  CHECK(message(fields::JoinedList<fields::Larger, fields::Sphere>{{ball, wrong}}) == of_ball);
+  CHECK(message(fields::Shell{wrong, 0.1}) == of_ball);
+  CHECK(message(fields::Rounded{wrong, 0.1}) == of_ball);
+  CHECK(message(fields::Moved{wrong, Vec3{1, 0, 0}}) == of_ball);
+  CHECK(message(fields::Rotated{wrong, Vec3{0, 1, 0}, 30}) == of_ball);
+  CHECK(message(fields::Scaled{wrong, 0.5}) == of_ball);
+  CHECK(message(fields::Twisted{wrong, 30.0}) == of_ball);
+  CHECK(message(fields::Bent{wrong, 30.0}) == of_ball);
+  CHECK(message(fields::Mirrored{fields::Scaled{wrong, 0.5}, Vec3{1, 0, 0}}) == of_ball);
+  CHECK(message(fields::Repeated<fields::Sphere>{wrong}) == of_ball);
+  CHECK(message(fields::Extruded{fields::Circle{-1}, 1.0}) == "fields::Circle: radius" + sizes + "-1");
+  CHECK(message(fields::Revolved{fields::Circle{-1}, 1.0}) == "fields::Circle: radius" + sizes + "-1");
+  CHECK(message(fields::blend(ball, fields::Moved{ball, Vec3{1, 0, 0}}, -0.25)) ==
+        "fields::SmoothlySmaller: width" + sizes + "-0.25");
+  CHECK(message(fields::Repeated<fields::Sphere>{ball, {1, 1, 1}, {2, 0, 1}}) ==
+        "fields::Repeated: count must be above 0 along each axis, and 1024 in all at most; it is (2, 0, 1)");
+  CHECK(message(fields::Moved{ball, Vec3{0x1p401, 0, 0}}) ==
+        "fields::Moved: each number of by must be at most 2^400 (2.6e120) in magnitude; it is "
+        "(5.16449976e+120, 0, 0)");
+  const auto rotated = [&](const Vec3& axis, double degrees) {
+    return message_of<std::invalid_argument>(
+        [&] { static_cast<void>(fields::Rotated<fields::Sphere>(ball, axis, degrees)); });
+  };
+  CHECK(rotated({0, 0, 0}, 30) == "fields::Rotated: axis must be finite, and not (0, 0, 0); it is (0, 0, 0)");
+  CHECK(rotated({0, 1, 0}, infinity) == "fields::Rotated: degrees must be finite; it is inf");
+  CHECK_NOTHROW(fields::Rotated<fields::Sphere>(ball, {0, 1e-200, 0}, 30));
+  // A field of one's own is validated as well, and a smooth minimum of no width has no bounded slope.
+  CHECK(message(fields::Shell{InvalidField{}, 0.1}) == "not valid");
+  CHECK_THAT(message([](const auto& p) { return smooth_min(length(p) - 1.0, p.x, -0.25); }),
+             ContainsSubstring("found a slope of up to inf"));
 }

@@ -67,4 +67,23 @@ inline void require_rule(bool holds, const char* what, const char* rule) {
     detail::refuse_by_rule(what, rule);
 }
 
+/// Throws std::invalid_argument with the text "what rule; it is found" unless a number is a size, or a
+/// number or a vector is within the coordinates.
+inline void require_size(double found, const char* what) {
+  if (!is_size(found)) [[unlikely]]
+    detail::refuse_found(std::string(what).append(" ").append(size_rule), found);
+}
+void require_coordinate(const auto& found, const char* what) {
+  if (!is_coordinate(found)) [[unlikely]]
+    detail::refuse_found(std::string(what).append(" ").append(coordinate_rule), found);
+}
+
+/// Calls validate() of each part that has one, as of the fields and the rule of an operation.
+void validate_each(const auto&... parts) {
+  const auto validate = [](const auto& part) {
+    if constexpr (requires { part.validate(); }) part.validate();
+  };
+  (validate(parts), ...);
+}
+
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -470,20 +470,20 @@ TEST_CASE("a shape that is not valid is refused") {
     return message_of<std::invalid_argument>([&] { static_cast<void>(Field(make())); });
   };
   CHECK(error_of([] { return fields::Sphere{0}; }) ==
-        "fields::Sphere: radius must be from 2^-400 (3.9e-121) to 2^400 (2.6e120)");
+        "fields::Sphere: radius must be from 2^-400 (3.9e-121) to 2^400 (2.6e120); it is 0");
   CHECK(error_of([] {
           return fields::RoundedBox{{1, 1, 1}, 0.75};
-        }) == "fields::RoundedBox: radius must be above 0, and at most half the shortest side");
+        }) == "fields::RoundedBox: radius must be above 0, and at most half the shortest side; it is 0.75");
   CHECK(error_of([] {
           return fields::GabrielsHorn{1, 0.1};
-        }) == "fields::GabrielsHorn: end must be above 1, where the mouth is");
+        }) == "fields::GabrielsHorn: end must be above 1, where the mouth is; it is 1");
   CHECK(error_of([] {
           return fields::MengerSponge{1, 13};
-        }) == "fields::MengerSponge: levels must be from 0 to 12");
+        }) == "fields::MengerSponge: levels must be from 0 to 12; it is 13");
   CHECK(error_of([] { return fields::Metaballs{}; }) == "fields::Metaballs: balls must not be empty");
   CHECK(error_of([] {
           return fields::Plane{{1, 1, 0}, 0};
-        }) == "fields::Plane: normal must be a unit vector, to within 2^-50");
+        }) == "fields::Plane: normal must be a unit vector, to within 2^-50; it is (1, 1, 0)");
   const auto polygon = [](std::vector<Uv> corners) {
     return message_of<std::invalid_argument>([&] { static_cast<void>(fields::Polygon(std::move(corners))); });
   };

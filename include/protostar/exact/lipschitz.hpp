@@ -155,6 +155,7 @@ class Variation {
   /// Roundings of the plain value: h = max(k − |a − b|, 0) ≤ k has u (|a| + |b|) + u k, which count h/2k ≤ ½
   /// in h²/4k ≤ k/4; h·h, ¼/k and their product have 3u of it, and the difference u (|m| + k/4).
   friend Variation smooth_min(const Variation& a, const Variation& b, double k) {
+    if (!(k > 0)) return unknown();
     const Values weight = clamp((b.value - a.value) / (Values(2.0) * k) + 0.5, 0, 1);
     Variation mixed = either(a, b);
     for (int i = 0; i < 3; ++i)

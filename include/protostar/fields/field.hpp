@@ -27,7 +27,7 @@ class PlanarField {
   template <class S>
   requires(std::constructible_from<Shape, S> && !std::same_as<S, PlanarField>) PlanarField(S shape)
       : shape_(std::move(shape)) {
-    if constexpr (requires { shape.validate(); }) std::get<S>(shape_).validate();
+    validate_each(std::get<S>(shape_));
   }
 
   template <class T>
@@ -103,7 +103,7 @@ struct Field::Node {
 
 template <class S>
 requires(!std::same_as<S, Field>) Field::Field(S shape) {
-  if constexpr (requires { shape.validate(); }) shape.validate();
+  validate_each(shape);
   if constexpr (requires { shape.fields; })
     for (const Field& part : shape.fields) add_part(part, 1);
   else if constexpr (requires { shape.copies(); })

@@ -75,7 +75,7 @@ struct SmoothlySmaller {
   }
   [[nodiscard]] double level_of_parts(double level) const { return level + 0.25 * width; }
   [[nodiscard]] Bounds join(const Bounds& a, const Bounds& b) const { return Smaller{}.join(a, b); }
-  void validate() const { require_rule(is_size(width), "fields::SmoothlySmaller: width must be", size_rule); }
+  void validate() const { require_size(width, "fields::SmoothlySmaller: width must be"); }
 };
 
 /// Two fields, joined by a rule.
@@ -93,6 +93,7 @@ struct Joined {
     const double of_parts = rule.level_of_parts(level);
     return rule.join(a.bounds(of_parts), b.bounds(of_parts));
   }
+  void validate() const { validate_each(a, b, rule); }
 };
 
 /// Any number of fields of one type, at least one, joined by a rule from the first to the last.
@@ -116,7 +117,8 @@ struct JoinedList {
   }
   void validate() const {
     if (fields.empty()) throw std::invalid_argument("fields::JoinedList: fields must not be empty");
-    if constexpr (requires { rule.validate(); }) rule.validate();
+    validate_each(rule);
+    for (const F& field : fields) validate_each(field);
   }
 };
 
@@ -152,7 +154,7 @@ struct Shell {
     return abs(field(p)) - 0.5 * thickness;
   }
   [[nodiscard]] Bounds bounds(double level = 0) const { return field.bounds(level + 0.5 * thickness); }
-  void validate() const { require_rule(is_size(thickness), "fields::Shell: thickness must be", size_rule); }
+  void validate() const { validate_each(field), require_size(thickness, "fields::Shell: thickness must be"); }
 };
 template <class F>
 Shell(F, double) -> Shell<F>;
@@ -170,7 +172,7 @@ struct Rounded {
     return field(p) - radius;
   }
   [[nodiscard]] Bounds bounds(double level = 0) const { return field.bounds(level + radius); }
-  void validate() const { require_rule(is_size(radius), "fields::Rounded: radius must be", size_rule); }
+  void validate() const { validate_each(field), require_size(radius, "fields::Rounded: radius must be"); }
 };
 template <class F>
 Rounded(F, double) -> Rounded<F>;
@@ -192,7 +194,7 @@ struct Moved {
     return {own.min + by, own.max + by};
   }
   void validate() const {
-    require_rule(is_coordinate(by), "fields::Moved: each number of by must be", coordinate_rule);
+    validate_each(field), require_coordinate(by, "fields::Moved: each number of by must be");
   }
 };
 template <class F>
@@ -203,9 +205,14 @@ Moved(F, Vec3) -> Moved<F>;
 template <class F>
 class Rotated {
  public:
-  /// Takes an axis, of any length but 0, and the angle in degrees: by 90 about z, x goes to y.
+  /// Takes an axis, of any length but 0, and the angle in degrees: by 90 about z, x goes to y. Throws
+  /// std::invalid_argument for other axes, and for numbers that are not finite.
   Rotated(F field, const Vec3& axis, double degrees)
-      : field_(std::move(field)), turned_(Affine{}.rotated_about(axis, degrees)) {}
+      : field_(std::move(field)), turned_(Affine{}.rotated_about(axis, degrees)) {
+    if (!is_finite(axis) || axis == Vec3{0})
+      detail::refuse_found("fields::Rotated: axis must be finite, and not (0, 0, 0)", axis);
+    if (!std::isfinite(degrees)) detail::refuse_found("fields::Rotated: degrees must be finite", degrees);
+  }
 
   template <class T>
   [[nodiscard]] T operator()(const FieldPoint<T>& p) const {
@@ -221,6 +228,7 @@ class Rotated {
   }
 
   [[nodiscard]] const F& field() const { return field_; }
+  void validate() const { validate_each(field_); }
 
  private:
   F field_;
@@ -241,7 +249,7 @@ struct Scaled {
     const Bounds own = field.bounds(level / factor);
     return {factor * own.min, factor * own.max};
   }
-  void validate() const { require_rule(is_size(factor), "fields::Scaled: factor must be", size_rule); }
+  void validate() const { validate_each(field), require_size(factor, "fields::Scaled: factor must be"); }
 };
 template <class F>
 Scaled(F, double) -> Scaled<F>;
@@ -274,13 +282,14 @@ struct Twisted {
   }
   [[nodiscard]] Bounds bounds(double level = 0) const { return turned_about(1, field.bounds(level)); }
   void validate() const {
-    require_rule(is_coordinate(degrees), "fields::Twisted: degrees must be", coordinate_rule);
+    validate_each(field), require_coordinate(degrees, "fields::Twisted: degrees must be");
   }
 };
 template <class F>
 Twisted(F, double) -> Twisted<F>;
 
-/// Shape bent in the plane of x and y: at x it is turned about the z axis by x times a rate. Implicit.
+/// Shape bent in the plane of x and y: at x it is turned about the z axis by x times a rate, from y towards
+/// x, so that both ends of a bar along x bend towards −y if the rate is above 0. Implicit.
 template <class F>
 struct Bent {
   F field;
@@ -294,7 +303,7 @@ struct Bent {
   }
   [[nodiscard]] Bounds bounds(double level = 0) const { return turned_about(2, field.bounds(level)); }
   void validate() const {
-    require_rule(is_coordinate(degrees), "fields::Bent: degrees must be", coordinate_rule);
+    validate_each(field), require_coordinate(degrees, "fields::Bent: degrees must be");
   }
 };
 template <class F>
@@ -321,9 +330,9 @@ struct Mirrored {
     return all;
   }
   void validate() const {
+    validate_each(field);
     for (const double side : {cell.x, cell.y, cell.z})
-      require_rule(side == 0 || is_size(side), "fields::Mirrored: each number of cell must be 0 or",
-                   size_rule);
+      if (side != 0) require_size(side, "fields::Mirrored: each number of cell must be 0 or");
   }
 };
 template <class F>
@@ -358,9 +367,10 @@ struct Repeated {
     if (!(count[0] > 0 && count[1] > 0 && count[2] > 0 && count[0] <= most_copies &&
           count[1] <= most_copies && count[0] * count[1] <= most_copies && count[2] <= most_copies &&
           copies() <= most_copies))
-      throw std::invalid_argument(
-          "fields::Repeated: count must be above 0 along each axis, and 1024 in all at most");
-    require_rule(is_coordinate(step), "fields::Repeated: each number of step must be", coordinate_rule);
+      detail::refuse_found("fields::Repeated: count must be above 0 along each axis, and 1024 in all at most",
+                           Vec3(count[0], count[1], count[2]));
+    validate_each(field);
+    require_coordinate(step, "fields::Repeated: each number of step must be");
   }
 
  private:

@@ -32,7 +32,7 @@ struct Circle {
   [[nodiscard]] PlanarBounds bounds(double level = 0) const {
     return {Uv(-radius - level), Uv(radius + level)};
   }
-  void validate() const { require_rule(is_size(radius), "fields::Circle: radius must be", size_rule); }
+  void validate() const { require_size(radius, "fields::Circle: radius must be"); }
 };
 
 /// Distance from a rectangle around the origin: the signed length of |p| − size/2.
@@ -132,7 +132,7 @@ struct Extruded {
     const double end = 0.5 * height + level;
     return {Point(flat.min.x, flat.min.y, -end), Point(flat.max.x, flat.max.y, end)};
   }
-  void validate() const { require_rule(is_size(height), "fields::Extruded: height must be", size_rule); }
+  void validate() const { validate_each(field), require_size(height, "fields::Extruded: height must be"); }
 };
 template <class F>
 Extruded(F, double) -> Extruded<F>;
@@ -155,7 +155,7 @@ struct Revolved {
     return {Point(-widest, flat.min.y, -widest), Point(widest, flat.max.y, widest)};
   }
   void validate() const {
-    require_rule(is_coordinate(radius), "fields::Revolved: radius must be", coordinate_rule);
+    validate_each(field), require_coordinate(radius, "fields::Revolved: radius must be");
   }
 };
 template <class F>

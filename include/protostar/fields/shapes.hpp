@@ -39,7 +39,7 @@ struct Sphere {
     return length(p) - radius;
   }
   [[nodiscard]] Bounds bounds(double level = 0) const { return box_around_origin(Vec3(radius + level)); }
-  void validate() const { require_rule(is_size(radius), "fields::Sphere: radius must be", size_rule); }
+  void validate() const { require_size(radius, "fields::Sphere: radius must be"); }
 };
 
 /// Distance from a plane, below 0 behind it: n · p − distance, for the unit vector n along normal. Doubles
@@ -55,8 +55,8 @@ struct Plane {
   [[nodiscard]] Bounds bounds(double = 0) const { return {Point(-infinity), Point(infinity)}; }
   void validate() const {
     if (!(std::abs(dot(normal, normal) - 1) <= 0x1p-50))
-      throw std::invalid_argument("fields::Plane: normal must be a unit vector, to within 2^-50");
-    require_rule(is_coordinate(distance), "fields::Plane: distance must be", coordinate_rule);
+      detail::refuse_found("fields::Plane: normal must be a unit vector, to within 2^-50", normal);
+    require_coordinate(distance, "fields::Plane: distance must be");
   }
 };
 
@@ -71,7 +71,7 @@ struct Box {
   [[nodiscard]] Bounds bounds(double level = 0) const { return box_around_origin(0.5 * size + Vec3(level)); }
   void validate() const {
     for (const double side : {size.x, size.y, size.z})
-      require_rule(is_size(side), "fields::Box: each number of size must be", size_rule);
+      require_size(side, "fields::Box: each number of size must be");
   }
 };
 
@@ -89,8 +89,8 @@ struct RoundedBox {
   void validate() const {
     Box{size}.validate();
     if (!(is_size(radius) && 2 * radius <= size.x && 2 * radius <= size.y && 2 * radius <= size.z))
-      throw std::invalid_argument(
-          "fields::RoundedBox: radius must be above 0, and at most half the shortest side");
+      detail::refuse_found("fields::RoundedBox: radius must be above 0, and at most half the shortest side",
+                           radius);
   }
 };
 
@@ -109,8 +109,8 @@ struct Torus {
     return box_around_origin({across, tube + level, across});
   }
   void validate() const {
-    require_rule(is_size(radius), "fields::Torus: radius must be", size_rule);
-    require_rule(is_size(tube), "fields::Torus: tube must be", size_rule);
+    require_size(radius, "fields::Torus: radius must be");
+    require_size(tube, "fields::Torus: tube must be");
   }
 };
 
@@ -127,8 +127,8 @@ struct Cylinder {
     return box_around_origin({radius + level, 0.5 * height + level, radius + level});
   }
   void validate() const {
-    require_rule(is_size(radius), "fields::Cylinder: radius must be", size_rule);
-    require_rule(is_size(height), "fields::Cylinder: height must be", size_rule);
+    require_size(radius, "fields::Cylinder: radius must be");
+    require_size(height, "fields::Cylinder: height must be");
   }
 };
 
@@ -149,8 +149,8 @@ struct Cone {
     return {Point(-widest, -0.5 * height - level, -widest), Point(widest, 0.5 * height + level / up, widest)};
   }
   void validate() const {
-    require_rule(is_size(radius), "fields::Cone: radius must be", size_rule);
-    require_rule(is_size(height), "fields::Cone: height must be", size_rule);
+    require_size(radius, "fields::Cone: radius must be");
+    require_size(height, "fields::Cone: height must be");
   }
 
  private:
@@ -175,8 +175,8 @@ struct Capsule {
     return box_around_origin(Vec3(radius + level) + Vec3(0, 0.5 * height, 0));
   }
   void validate() const {
-    require_rule(is_size(radius), "fields::Capsule: radius must be", size_rule);
-    require_rule(is_size(height), "fields::Capsule: height must be", size_rule);
+    require_size(radius, "fields::Capsule: radius must be");
+    require_size(height, "fields::Capsule: height must be");
   }
 };
 
@@ -194,7 +194,7 @@ struct Ellipsoid {
   }
   void validate() const {
     for (const double radius : {radii.x, radii.y, radii.z})
-      require_rule(is_size(radius), "fields::Ellipsoid: each of radii must be", size_rule);
+      require_size(radius, "fields::Ellipsoid: each of radii must be");
   }
 
  private:
@@ -213,7 +213,7 @@ struct Octahedron {
   [[nodiscard]] Bounds bounds(double level = 0) const {
     return box_around_origin(Vec3(radius + 1.7321 * level));  // √3 is less
   }
-  void validate() const { require_rule(is_size(radius), "fields::Octahedron: radius must be", size_rule); }
+  void validate() const { require_size(radius, "fields::Octahedron: radius must be"); }
 };
 
 /// Bound of the distance from the wall of Gabriel's Horn, the surface |(y, z)| = 1/x, from its mouth at x = 1
@@ -234,8 +234,8 @@ struct GabrielsHorn {
   }
   void validate() const {
     if (!(end > 1 && is_size(end)))
-      throw std::invalid_argument("fields::GabrielsHorn: end must be above 1, where the mouth is");
-    require_rule(is_size(thickness), "fields::GabrielsHorn: thickness must be", size_rule);
+      detail::refuse_found("fields::GabrielsHorn: end must be above 1, where the mouth is", end);
+    require_size(thickness, "fields::GabrielsHorn: thickness must be");
   }
 };
 
@@ -258,8 +258,8 @@ struct Gyroid {
   }
   [[nodiscard]] Bounds bounds(double = 0) const { return {Point(-infinity), Point(infinity)}; }
   void validate() const {
-    require_rule(is_size(cell), "fields::Gyroid: cell must be", size_rule);
-    require_rule(is_size(thickness), "fields::Gyroid: thickness must be", size_rule);
+    require_size(cell, "fields::Gyroid: cell must be");
+    require_size(thickness, "fields::Gyroid: thickness must be");
   }
 };
 
@@ -285,9 +285,9 @@ struct MengerSponge {
   }
   [[nodiscard]] Bounds bounds(double level = 0) const { return box_around_origin(Vec3(0.5 * size + level)); }
   void validate() const {
-    require_rule(is_size(size), "fields::MengerSponge: size must be", size_rule);
+    require_size(size, "fields::MengerSponge: size must be");
     if (!(0 <= levels && levels <= most_levels))
-      throw std::invalid_argument("fields::MengerSponge: levels must be from 0 to 12");
+      detail::refuse_found("fields::MengerSponge: levels must be from 0 to 12", levels);
   }
 };
 
@@ -334,12 +334,11 @@ struct Metaballs {
   void validate() const {
     if (balls.empty()) throw std::invalid_argument("fields::Metaballs: balls must not be empty");
     for (const Ball& ball : balls) {
-      require_rule(is_coordinate(ball.center), "fields::Metaballs: each number of a center must be",
-                   coordinate_rule);
-      require_rule(is_size(ball.radius), "fields::Metaballs: each radius must be", size_rule);
+      require_coordinate(ball.center, "fields::Metaballs: each number of a center must be");
+      require_size(ball.radius, "fields::Metaballs: each radius must be");
     }
     if (!(is_size(sharpness) && sharpness <= most_sharpness))
-      throw std::invalid_argument("fields::Metaballs: sharpness must be above 0 and at most 100");
+      detail::refuse_found("fields::Metaballs: sharpness must be above 0 and at most 100", sharpness);
   }
 
  private:

@@ -59,9 +59,10 @@ class Marched<F> {
 
   /// Makes the surface; derives the field's Lipschitz constant and rounding with at most `evaluations`
   /// evaluations over boxes.
-  /// Throws std::invalid_argument if the bounds are not finite, or empty, or the field has no
+  /// Throws std::invalid_argument if the bounds are not finite, or empty, or the field is not valid, has no
   /// bounded slope or value in them, or is found to jump.
   Marched(F field, const Bounds& bounds, int evaluations = usual_evaluations) : field_(std::move(field)) {
+    validate_each(field_);
     // Points of rays may come out beyond the part that counts by as much again.
     setup_.margin = 0x1p-10 * detail::largest_side(bounds);
     setup_.inside = detail::widened(bounds, setup_.margin);
@@ -299,13 +300,14 @@ Marched(F, const Bounds&, double) -> Marched<F>;
 template <PlainField F>
 class Marched<F> {
  public:
-  /// Makes the surface. Throws std::invalid_argument if the bounds are not finite or are empty, or the
-  /// constant is not a number from 2^-400 to 2^400.
+  /// Makes the surface. Throws std::invalid_argument if the bounds are not finite or are empty, the field is
+  /// not valid, or the constant is not a number from 2^-400 to 2^400.
   Marched(F field, const Bounds& bounds, double lipschitz)
       : field_(std::move(field)), size_(detail::largest_side(bounds)), lipschitz_(lipschitz) {
     if (!is_size(lipschitz))
       throw std::invalid_argument("Marched: lipschitz is " + shown(lipschitz) + "; it must be a number " +
                                   size_rule);
+    validate_each(field_);
     bounds_ = detail::widened(bounds, 0x1p-10 * size_);
   }
 
