@@ -170,3 +170,11 @@ TEST_CASE("a marched field is validated, and each field that it is made of") {
   CHECK_THAT(message([](const auto& p) { return smooth_min(length(p) - 1.0, p.x, -0.25); }),
              ContainsSubstring("found a slope of up to inf"));
 }
+
+TEST_CASE("a continuous field whose Lipschitz constant is below the range of double does not jump") {
+  const auto flat = [](double factor) { return [=](const auto& p) { return p.x * factor * factor; }; };
+  CHECK(lipschitz_bound(flat(1e-200), cube_bounds(1), 1).lipschitz > 0);
+  CHECK_NOTHROW(Marched{flat(1e-200), cube_bounds(0x1p398)});
+  const auto small = [](const auto& p) { return length(p * 1e-170) * 1e170 - 1.0; };
+  CHECK(lipschitz_bound(small, cube_bounds(1), 1).lipschitz >= 1);
+}

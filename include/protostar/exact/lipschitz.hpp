@@ -256,11 +256,11 @@ class Variation {
   static double known(double bound) { return bound >= 0 ? bound : infinity; }
 
   /// Sets the Lipschitz constant to the smaller of a bound and the largest length of a gradient, of which
-  /// 2^-500 exceeds the root of all underflow.
+  /// 2^-500 exceeds the root of all underflow. 2^-1060 exceeds the underflow of a bound, of a few operations.
   void set_lipschitz(double bound) {
     double squares = 0;
     for (const Values& g : gradient) squares += g.magnitude() * g.magnitude();
-    lipschitz = larger_by_rounding * smaller(known(bound), known(std::sqrt(squares) + 0x1p-500));
+    lipschitz = larger_by_rounding * smaller(known(bound), known(std::sqrt(squares) + 0x1p-500)) + 0x1p-1060;
   }
 
   /// Sets the error to that of the arguments, and one rounding of a value of the function.
@@ -297,7 +297,7 @@ class Variation {
 
   /// Returns a bound of the matrix norm |J| of the gradients of v, its rows r_i: |J|² is at most the largest
   /// sum over k of |r_i · r_k|, a row sum of J Jᵀ. Rows for different axes add nothing, so that the length of
-  /// a vector of distances along the axes has the constant 1.
+  /// a vector of distances along the axes has the constant 1. 2^-500 exceeds the root of all underflow.
   template <std::size_t n>
   static double norm_of_rows(const Variation (&v)[n]) {
     double most = 0;
@@ -312,7 +312,7 @@ class Variation {
       }
       most = larger(most, row);
     }
-    return std::sqrt(most);
+    return std::sqrt(most) + 0x1p-500;
   }
 };
 
