@@ -178,3 +178,11 @@ TEST_CASE("a continuous field whose Lipschitz constant is below the range of dou
   const auto small = [](const auto& p) { return length(p * 1e-170) * 1e170 - 1.0; };
   CHECK(lipschitz_bound(small, cube_bounds(1), 1).lipschitz >= 1);
 }
+
+TEST_CASE("bounds that are too far apart are refused with the difference that is allowed") {
+  CHECK(
+      message_of<std::invalid_argument>([] { Marched surface(sphere_field, cube_bounds(0x1p400)); }) ==
+      "Marched: bounds.x goes from -2.5822498780869086e+120 to 2.5822498780869086e+120; both must be at most "
+      "2^400 (2.6e120) in magnitude, and the second must be larger than the first, by a number from 2^-400 "
+      "(3.9e-121) to 2^400 (2.6e120)");
+}

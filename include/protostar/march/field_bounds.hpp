@@ -21,9 +21,8 @@ namespace detail {
     const double low = bounds.min[k], high = bounds.max[k];
     if (is_coordinate(low) && is_coordinate(high) && is_size(high - low)) continue;
     throw std::invalid_argument("Marched: bounds." + std::string(1, "xyz"[k]) + " goes from " + shown(low) +
-                                " to " + shown(high) +
-                                "; both must be finite, at most 2^400 (2.6e120) in magnitude, and the second "
-                                "must be larger than the first");
+                                " to " + shown(high) + "; both must be " + coordinate_rule +
+                                ", and the second must be larger than the first, by a number " + size_rule);
   }
   const Vec3 size = bounds.max - bounds.min;
   return std::max({size.x, size.y, size.z});
