@@ -186,3 +186,30 @@ TEST_CASE("bounds that are too far apart are refused with the difference that is
       "2^400 (2.6e120) in magnitude, and the second must be larger than the first, by a number from 2^-400 "
       "(3.9e-121) to 2^400 (2.6e120)");
 }
+
+TEST_CASE("a surface counts up to 2^-10 of the bounds beyond them, and no farther") {
+  const auto plane = [](const auto& p) { return p.x; };
+  const auto hit = [&](double face) {
+    const Marched surface{plane, Bounds{Point(face, -1, -1), Point(face + 2, 1, 1)}};
+    return surface.intersect({.origin = {3, 0, 0}, .direction = {-1, 0, 0}}).has_value();
+  };
+  CHECK(hit(0));
+  CHECK(hit(0x1p-10));
+  CHECK_FALSE(hit(0x1p-8));
+}
+
+TEST_CASE(
+    "a positive rate twists from z towards x where y > 0, and bends both ends of a bar along x towards -y") {
+  // Balls on the axes of the shape, a unit from its middle; each is looked for where it must have come to.
+  const auto ball = [](const Vec3& at) { return fields::Moved{fields::Sphere{0.125}, at}; };
+  const auto at = [](const auto& field, const Point& p) { return plain_value(field, p); };
+  const fields::Twisted twisted{ball({0, 1, 1}), 90.0};
+  CHECK(at(twisted, {1, 1, 0}) < 0);
+  CHECK(at(twisted, {-1, 1, 0}) > 0);
+  CHECK(at(fields::Twisted{ball({0, -1, 1}), 90.0}, {-1, -1, 0}) < 0);
+  // A long bar along x bends towards −y at x > 0 for a positive rate.
+  const fields::Bent bent{fields::Box{{4, 0.125, 0.5}}, 30.0};
+  CHECK(at(bent, {1, std::tan(-std::acos(-1) / 6), 0}) < 0);
+  CHECK(at(bent, {1, std::tan(std::acos(-1) / 6), 0}) > 0);
+  CHECK(at(bent, {-1, std::tan(-std::acos(-1) / 6), 0}) < 0);
+}

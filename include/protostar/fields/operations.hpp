@@ -1,8 +1,9 @@
 // Operations on fields: combinations of shapes, other surfaces of a shape, and fields of moved points.
 //
-// Each is a field of the fields that it takes, such as Union{Sphere{1}, Moved{Box{}, {0, 1, 0}}}. Its comment
-// says what it makes of distances and bounds (shapes.hpp). Since a bound is nowhere larger than the distance,
-// "a bound" is what can be said of any combination; the surface is always exact.
+// Each is a field of the fields that it takes, such as unite(Sphere{1}, Moved{Box{}, Vec3{0, 1, 0}}). Its
+// comment says what it makes of distances and of bounds. A bound is a field whose value is nowhere larger in
+// magnitude than the distance (shapes.hpp), which can be said of any combination; the surface is always
+// exact.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Fields in a plane, and the solids that they make: extrusions along z, and revolutions around y.
+// Fields in a plane, and the solids that they make: extrusions along z, and revolutions around y. A bound is
+// a field whose value is nowhere larger in magnitude than the distance (shapes.hpp).
 #pragma once
 
 #include <algorithm>

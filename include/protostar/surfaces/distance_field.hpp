@@ -30,7 +30,8 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 };
 
 /// Surface of a field: the points inside the bounds where the field is 0. The inside is the points where it
-/// is below 0. It is made of the field and the bounds: `Marched{field, Bounds{...}}`.
+/// is below 0. It is made of the field and the bounds: `Marched{field, Bounds{...}}`. Points up to 2^-10 of
+/// the largest side beyond them count as well, so that a surface in a face of the bounds is seen.
 ///
 /// A DistanceField is a generic function of a point, as [](const auto& p) { return length(p) - 1.0; }. From
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
