@@ -1,5 +1,6 @@
 // Surfaces of fields, marched along rays from far away and along directions of any length, and their bounds.
 #include <cmath>
+#include <protostar/accel/packet.hpp>
 #include <protostar/fields/operations.hpp>
 #include <protostar/fields/planar.hpp>
 #include <protostar/fields/shapes.hpp>
@@ -127,6 +128,33 @@ TEST_CASE("the length of a direction does not change the answer of a march, but 
     const ExactRoot root = marched.exact_root(leaving, {*next, 0});
     CHECK(std::abs(refined(root).hi * length - 2) < 0x1p-50);
   }
+}
+
+TEST_CASE("packets of rays from far away, and of any length, march as each ray alone") {
+  const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
+  Random random(13);
+  WrongCases wrong(random);
+  int hits = 0;
+  for (int i = 0; i < cases(60, 2000); ++i) {
+    constexpr int exponents[] = {-950, -540, -101, -100, -99, 99, 100, 101, 520, 950, 0, 0};
+    const double length = std::ldexp(1, exponents[i % 12]);
+    const Point eye = std::ldexp(1, i % 7 * 10) * random.direction();
+    simd::Vectors directions(Vec3{0});
+    for (int lane = 0; lane < simd::double_lanes; ++lane) {
+      const Vec3 d = (lane % 2 == 0 ? length : 1) * (0.75 * random.point(1) - eye);
+      directions.x.set(lane, d.x), directions.y.set(lane, d.y), directions.z.set(lane, d.z);
+    }
+    const simd::RayPacket rays(eye, directions);
+    const auto first = simd::first_crossings(marched, rays, true, Interval{});
+    for (int lane = 0; lane < simd::double_lanes; ++lane) {
+      const auto t = marched.intersect(rays[lane]);
+      const bool is_met = (bits(first.met) >> lane & 1) != 0;
+      wrong.add(is_met != t.has_value() || (t && first.t[lane] != *t), rays[lane], is_met, first.t[lane], t);
+      hits += is_met;
+    }
+  }
+  CHECK(wrong == 0);
+  CHECK(hits > 20);
 }
 
 TEST_CASE("a marched field is validated, and each field that it is made of") {
