@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 
 #include "../simd/vectors.hpp"
 #include "field_line.hpp"
@@ -85,7 +84,7 @@ class FieldLines {
   }
 
   static void each(Truth lanes, const auto& visit) {
-    for (simd::Bits left = bits(lanes); left != 0; left &= left - 1) visit(std::countr_zero(left));
+    for (const int lane : simd::lanes_in(lanes)) visit(lane);
   }
 
   static Truth is_finite(const simd::Vectors& v) {
