@@ -307,7 +307,7 @@ class Writer {
         const double error = Roots::relative_error * std::abs(crossing.t);
         t.push_back(crossing.t);
         intervals.insert(intervals.end(), {crossing.t - error, crossing.t + error});
-        parts.push_back(crossing.part);
+        parts.push_back(crossing.primitive);
       }
       json_.key("t").list(t);
       json_.key("intervals").list(intervals);
