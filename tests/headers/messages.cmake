@@ -21,15 +21,20 @@ struct NoIntersect {
 struct Good : NoNormal, NoIntersect {};
 ]])
 
+# Headers of every program, which are read once. Both compilers take what is compiled for an -include.
+set(headers ${WORK}/headers.hpp)
+file(WRITE ${headers} "#include <protostar/scene.hpp>\n#include <protostar/surfaces/sphere.hpp>\n")
+execute_process(COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 ${INCLUDES} -x c++-header ${headers} -o ${headers}.gch
+  COMMAND_ERROR_IS_FATAL ANY)
+
 # Compiles a program that has to be refused. What the compiler says has the name of the type that is wrong and the
 # sentence, and no more lines than a screen shows at once. Further pairs of a name and a sentence are of the same program,
 # for so many lines more.
 function(expect_refusal header code)
   string(SHA1 name "${code}")
   set(file ${WORK}/${name}.cpp)
-  file(WRITE ${file} "#include <protostar/scene.hpp>\n#include <protostar/${header}>\n"
-    "#include <protostar/surfaces/sphere.hpp>\nusing namespace protostar;\n${beginning}\n${code}\n")
-  execute_process(COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 ${INCLUDES} -fsyntax-only ${file}
+  file(WRITE ${file} "#include <protostar/${header}>\nusing namespace protostar;\n${beginning}\n${code}\n")
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} -std=c++20 ${INCLUDES} -include ${headers} -fsyntax-only ${file}
     RESULT_VARIABLE status OUTPUT_VARIABLE text ERROR_VARIABLE text)
   string(REGEX MATCHALL "\n" lines "${text}")
   list(LENGTH lines lines)
