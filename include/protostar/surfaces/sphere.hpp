@@ -1,4 +1,4 @@
-// A sphere: the points at distance radius from center, and its equation along a line (§2.2.4, A.1.1).
+// A sphere: the points at distance radius from center, and its equation (tutorial, §2.2.4 and A.1.1).
 //
 // With l = center − origin, a point origin + t·d of a line is on the sphere if |t·d − l|² = r², that is
 //   A t² − 2 b t + c = 0   with   A = d·d,  b = d·l,  c = l·l − r²   and the discriminant   D = b² − A c.
@@ -36,8 +36,8 @@ inline constexpr double underflow_of_sphere = 0x1p-900;
 /// or one in each lane.
 ///
 /// E = 2^-48 A w + underflow_of_sphere bounds the error of D, since rounding makes less than 21u A w. It is
-/// computed as 2^-68 · (2^20 A w), so that it is infinite, and nothing certain, before b², A c or a part of
-/// them overflows; it is infinite, too, if A is not in the range of is_moderate_square.
+/// computed as 2^-68 · (2^20 A w), which overflows to infinity before b², A c or their terms do, and is
+/// infinite too if A is not in the range of is_moderate_square; with infinite E no line is decided in double.
 [[nodiscard, gnu::always_inline]] inline auto sphere_equation(const auto& rays, const auto& center,
                                                               const auto& radius) {
   const auto l = center - rays.origin;
@@ -61,9 +61,9 @@ inline constexpr double underflow_of_sphere = 0x1p-900;
   return {.A = dot(line.direction, line.direction), .b = dot(line.direction, l), .c = dot(l, l) - r * r};
 }
 
-/// Returns the equation of a line whose numbers are rounded. With errors o_error and d_error, A is off by
-/// d_error · (2 |d| + d_error), b by d_error · (|l| + o_error) + |d| · o_error, and c by o_error · (2 |l| +
-/// o_error).
+/// Returns the equation of a line whose numbers are rounded. Their errors o_error and d_error come on top of
+/// the rounding of the equation itself (with_errors): A is off by d_error · (2 |d| + d_error) more, b by
+/// d_error · (|l| + o_error) + |d| · o_error, and c by o_error · (2 |l| + o_error).
 [[nodiscard]] inline RoundedQuadratic<double, double> sphere_equation(const RoundedLine& line,
                                                                       const Point& center, double radius) {
   const Vec3 l = abs(center - line.origin), d = abs(line.direction), &o_error = line.origin_error,
@@ -79,8 +79,9 @@ template <class T, class C>
   return e.c > 0x1p-50 * e.w && surely_leads_away(e.A, e.b, e.w);
 }
 
-/// Returns the certified roots of a line that starts close to the sphere, where c alone cancels, by c in
-/// double-double; std::nullopt if that does not decide.
+/// Returns the certified roots of a ray that starts close to the sphere, where c alone cancels, by c in
+/// double-double; std::nullopt if that does not decide. Precondition: the ray does not depart from the
+/// sphere, and its transform is null.
 [[nodiscard, gnu::noinline, gnu::cold]] inline std::optional<Roots> refined_sphere_roots(const auto& ray,
                                                                                          const Point& center,
                                                                                          double radius) {
@@ -126,32 +127,43 @@ struct Sphere {
   /// Returns the direction from the center as azimuth and polar angle: u from 0 to 1 around the y axis, ½ in
   /// the direction of z and growing towards x; v from 0 at the top to 1 at the bottom.
   [[nodiscard]] Uv uv_at(const Point& point) const { return direction_uv(unit_along(point - center)); }
+
+  /// Returns the directions in which u and v grow at a point: at a polar angle θ from the y axis, both are of
+  /// length sin θ, whatever the radius, and 0 at the poles.
   [[nodiscard]] Tangents tangents_at(const Point& point) const {
     return direction_tangents(unit_along(point - center));
   }
 
-  /// Returns the distance of a point from the sphere, less than 0 inside; rounded.
+  /// Returns the distance of a point from the sphere, less than 0 inside; as a bound, it is too large by at
+  /// most 2^-50 (|p − center| + |radius|). With u = 2^-53, a difference is rounded by u, a sum of squares by
+  /// 3u and its root by u, so that the length is off by 3.5u of itself, and the result by u more.
   [[nodiscard]] double distance_bound(const Point& point) const {
     return length(point - center) - std::abs(radius);
   }
 
-  /// Returns the equation of the sphere and a ray, or of each ray of a packet, in double with its error; of a
-  /// line in exact numbers, without rounding.
+  /// Returns the equation of the sphere and a ray, a RoundedLine or each ray of a packet, in double with its
+  /// error, or that of an ExactLine, without rounding.
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return sphere_equation(rays, center, radius);
   }
-  /// Returns the roots in double-double, where double leaves a ray in doubt; nullopt if it is so still.
+
+  /// Returns the roots of a ray that double leaves in doubt, by double-double; std::nullopt if it is still in
+  /// doubt. Precondition: the ray does not depart from this sphere, and its transform is null.
   [[nodiscard]] auto refined_roots(const Ray& ray) const { return refined_sphere_roots(ray, center, radius); }
+
+  /// Returns true if no number is infinite or NaN.
   [[nodiscard]] bool has_finite_numbers() const { return is_finite(center) && std::isfinite(radius); }
 
-  /// Returns true if a ray, or the rays of a packet, depart from this sphere or from one that coincides.
+  /// Returns true if a ray, or the rays of a packet, depart from this sphere or from one that coincides,
+  /// inward or outward.
   [[nodiscard]] bool is_left_by(const auto& rays) const {
     return rays.departure.kind == Departure::Kind::sphere && rays.departure.geometry == departure().geometry;
   }
 
-  /// Returns false: the far end of a ray is outside a sphere (Solid).
+  /// Returns false: a sphere is bounded, so that the far end of a ray, t → ∞, is outside of it (Solid).
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
 
+  /// Returns the box around the sphere, rounded outward.
   [[nodiscard]] Bounds bounds() const {
     const Vec3 r(std::abs(radius));
     return outward({center - r, center + r});
@@ -163,8 +175,8 @@ struct Sphere {
     return {.kind = Departure::Kind::sphere, .geometry = {center.x, center.y, center.z, std::abs(radius)}};
   }
 
-  /// Throws std::invalid_argument if the center is not made of coordinates, or |radius| is not a size
-  /// (magnitude.hpp).
+  /// Throws std::invalid_argument unless each coordinate of the center is at most 2^400 in magnitude and
+  /// 2^-400 ≤ |radius| ≤ 2^400 (magnitude.hpp); NaN fails.
   void validate() const {
     require_rule(is_coordinate(center), "Sphere: center must have numbers", coordinate_rule);
     require_rule(is_size(std::abs(radius)), "Sphere: radius must be a number of a magnitude", size_rule);
