@@ -6,14 +6,17 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Integrator of diffuse surfaces with shadows: the color times the ambient irradiance and that of all lights
-/// that are not occluded. The color stands for albedo/π (docs/errata.md). The sky, or black, if there is no
-/// hit.
+/// Integrator of diffuse surfaces with shadows: a hit has the radiance of its color times the irradiance, of
+/// the ambient light and of all lights that are not occluded. The color stands for albedo/π (docs/errata.md).
+/// A ray without a hit has the radiance of the environment, else of the sky, else black.
 struct ShadowIntegrator : FirstHit<ShadowIntegrator> {
-  using TakesPackets = ShadowIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
+  /// Says that it takes packets as well as rays. It names its own type: one that derives from it, and may
+  /// have another shade, takes none until it says so (PacketIntegrator).
+  using TakesPackets = ShadowIntegrator;
 
-  /// Returns the radiance of a hit, with channels that are finite floats; of a HitPacket, for each of its
-  /// rays. The scene says which points are occluded from a light.
+  /// Returns the radiance of a hit, with channels that are finite floats: a Color, or for a HitPacket the
+  /// Colors of its rays (Hit::Light). A light counts if it is on the side that the ray comes from, and
+  /// scene.occluded finds nothing on the shadow ray to it.
   template <class Hit>
   [[nodiscard]] typename Hit::Light shade(const Hit& hit, const auto& scene) const {
     typename Hit::Light irradiance(ambient_of(scene));
