@@ -1,8 +1,8 @@
-// Fills an image of a scene tile by tile.
+// Fills an image of a scene, or adds samples to a film, tile by tile.
 //
-// This is the fast path of render, and gives the same bytes as the plain path: surfaces that a tile cannot
-// see are culled by certified bounds (accel/candidates.hpp), and the others are decided by the certified
-// roots of numeric/.
+// This is the fast path of render and add_samples, and gives the same bytes as the plain path: surfaces that
+// a tile cannot see are culled by certified bounds (accel/candidates.hpp), and the others are decided by the
+// certified roots of numeric/.
 #pragma once
 
 #include "../render.hpp"
@@ -15,13 +15,15 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace simd {
 
-/// Draws a picture by tiles, in a function of its own that is not inline, so that a program may compile it
-/// once for the scenes and integrators that it uses in several units: `extern template`.
+/// Draws the view of a camera into an image or a film, by tiles that threads share. It is a function of its
+/// own, and not inline, so that a program may compile it once for the scenes and integrators that it uses in
+/// several units: `extern template`.
 template <class I, Surface... S>
 void fill_by_tiles(const protostar::detail::SampleTarget& target, const Camera& camera,
                    const Accelerated<Scene<S...>>& scene, const I& integrator, const RenderOptions& options) {
   const TileRenderer<I, S...> tiles(target, camera, scene, integrator, options);
   const Tile all = target.tile();
+  // A mesh can be rasterized into tiles of up to 64 × 64 pixels (PixelBlock::side).
   protostar::detail::for_each_in_parallel(all.count(64), options, [&](int i) { tiles(all.part(i, 64)); });
 }
 
@@ -54,9 +56,10 @@ template <Surface... S>
 
 /// Calls use(draw), where draw(target, options) renders the view of a camera into a target: by tiles, or ray
 /// by ray if the options say so. draw may be used during that call only, as it refers to the accelerated
-/// scene. Throws what render does for an invalid camera or integrator.
+/// scene. Throws std::invalid_argument for an invalid camera or integrator, std::logic_error if the surfaces
+/// of an accelerated scene have changed, and what accelerate throws.
 template <class S, class I>
-void with_view(const Camera& camera, const S& scene, const I& integrator, const RenderOptions& options,
+void with_draw(const Camera& camera, const S& scene, const I& integrator, const RenderOptions& options,
                const auto& use) {
   camera.validate();
   validate(integrator);
@@ -73,33 +76,35 @@ void with_view(const Camera& camera, const S& scene, const I& integrator, const 
 }  // namespace detail
 
 /// Fills an image with the view of a camera in a scene, with the bytes of the render of render.hpp, but
-/// faster.
+/// faster. Throws as that does, std::logic_error if the surfaces of an accelerated scene have changed, and
+/// what accelerate throws.
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void render(Image& image, const Camera& camera, const Accelerated<Scene<S...>>& scene, const I& integrator,
             const RenderOptions& options = {}) {
-  detail::with_view(camera, scene, integrator, options,
+  detail::with_draw(camera, scene, integrator, options,
                     [&](const auto& draw) { detail::draw_image(image, options, draw); });
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void render(Image& image, const Camera& camera, const Scene<S...>& scene, const I& integrator,
             const RenderOptions& options = {}) {
-  detail::with_view(camera, scene, integrator, options,
+  detail::with_draw(camera, scene, integrator, options,
                     [&](const auto& draw) { detail::draw_image(image, options, draw); });
 }
 
 /// Adds samples of a camera's view in a scene to a film, with the sums of the add_samples of render.hpp, but
-/// faster. Whoever adds samples to a film several times accelerates the scene once.
+/// faster. A plain scene is accelerated anew in each call. Throws as that add_samples does, std::logic_error
+/// if the surfaces of an accelerated scene have changed, and what accelerate throws.
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void add_samples(Film& film, const SampleRange& samples, const Camera& camera,
                  const Accelerated<Scene<S...>>& scene, const I& integrator,
                  const RenderOptions& options = {}) {
-  detail::with_view(camera, scene, integrator, options,
+  detail::with_draw(camera, scene, integrator, options,
                     [&](const auto& draw) { detail::draw_samples(film, samples, options, draw); });
 }
 template <Surface... S, simd::TileIntegrator<simd::TileScene<S...>> I>
 void add_samples(Film& film, const SampleRange& samples, const Camera& camera, const Scene<S...>& scene,
                  const I& integrator, const RenderOptions& options = {}) {
-  detail::with_view(camera, scene, integrator, options,
+  detail::with_draw(camera, scene, integrator, options,
                     [&](const auto& draw) { detail::draw_samples(film, samples, options, draw); });
 }
 
