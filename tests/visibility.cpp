@@ -26,7 +26,7 @@ TEST_CASE("the places that a tile finds in a list are those of the surfaces that
   std::vector<Sphere> spheres;
   for (int i = 0; i < 200; ++i) spheres.push_back({Point{0, 0, 4} + random.point(3), random.real(0.01, 0.3)});
   const Candidates everything = candidates_of(spheres, rays.viewpoint());
-  simd::CandidateList places, all;
+  simd::CandidatePositions places, all;
   for (const Tile& tile : {Tile{0, 0, 64, 64}, Tile{8, 16, 16, 24}, Tile{40, 40, 48, 42}}) {
     Candidates kept;
     kept.add(everything, Frustum(rays, tile));
@@ -52,7 +52,7 @@ TEST_CASE("a ray of a block sees first what float tells, or one of the two that 
     const auto& spheres = scene.surfaces<Sphere>();
     Candidates list = candidates_of({spheres.begin(), spheres.end()}, rays.viewpoint());
     list.sort(Candidates::Order::near_to_far);
-    simd::CandidateList places;
+    simd::CandidatePositions places;
     places.add_first(list.size());
     for (int y = 0; y < 64; y += simd::RayBlock::height)
       for (int x = 0; x < 64; x += simd::RayBlock::width)

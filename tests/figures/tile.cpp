@@ -70,7 +70,7 @@ void draw_pixels(Drawing& drawing, const simd::Candidates& kept, const simd::Pix
   std::array<std::array<int, side>, side> seen{};  // block by block, the size of which is the machine's
   for (int y = middle.y0; y < middle.y1; y += RayBlock::height)
     for (int x = middle.x0; x < middle.x1; x += RayBlock::width) {
-      simd::CandidateList places;
+      simd::CandidatePositions places;
       places.add_first(kept.size());
       const auto [first, others, tested] = simd::seen_by(rays.block_directions(x, y), kept, places, false);
       const auto is_sure = others == simd::WideIndices(simd::no_surface_index);

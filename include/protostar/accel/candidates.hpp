@@ -1,8 +1,8 @@
 // Lists of the surfaces that the pixels of a tile may see; a part of the tile has a shorter list.
 //
-// A surface is represented by a sphere that contains it. The rays of a tile lie between four planes; a
-// surface outside one of them is not seen. This is tested in float, several surfaces at once, and drops a
-// surface only if it is certainly outside.
+// A surface is represented by a sphere that contains it. The rays of a tile lie between four planes and in a
+// cone; a surface outside of one of them is not seen. This is tested in float, several surfaces at once, and
+// drops a surface only if it is certainly outside.
 #pragma once
 
 #include <algorithm>
@@ -24,24 +24,24 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Sphere that contains a surface, with its center measured from the apex of the camera's rays, in float. The
-/// tests in float of what a pixel sees (visibility.hpp) need a pinhole.
+/// Sphere that contains a surface, in float, for tests of rays that start at the apex, as a pinhole's do
+/// (visibility.hpp).
 struct CandidateSphere {
-  float x, y, z;  ///< center
-  float reach;    ///< radius, larger by what float may be off
+  float x, y, z;  ///< center, measured from the apex (Viewpoint)
+  float reach;    ///< radius, larger by what float may be off; infinite if float does not hold the sphere
   float inner;    ///< radius within which a line surely meets the surface; below 0 if there is none
-  float margin;   ///< 2^-19 of the sum of distance and radius, or infinity
+  float margin;   ///< bound of the errors of tests along a ray, 2^-19 (distance + radius); infinite as reach
 };
 
-/// Positions of some surfaces in Candidates, ascending.
-class CandidateList {
+/// Positions of some surfaces in a list of Candidates, ascending.
+class CandidatePositions {
  public:
   [[nodiscard]] int size() const { return size_; }
   [[nodiscard]] int operator[](int i) const { return positions_[static_cast<std::size_t>(i)]; }
 
   void clear() { size_ = 0; }
 
-  /// Adds position + k for each bit k that is set.
+  /// Adds position + k for each bit k that is set, above all positions so far.
   void add(int position, Bits some) {
     const auto needed = static_cast<std::size_t>(size_ + float_lanes);
     if (positions_.size() < needed) positions_.resize(2 * needed);
@@ -59,9 +59,9 @@ class CandidateList {
   PlainVector<std::int32_t> positions_;
 };
 
-/// Surfaces that a camera may see, as spheres that contain them; stored as one row for each number, so that
-/// several are tested at once. A surface without bounds has a sphere of infinite radius, and any tile may see
-/// it.
+/// Surfaces that a camera or a tile may see, as spheres that contain them; stored as one row for each number,
+/// so that several are tested at once. A surface without bounds has a sphere of infinite radius, and any tile
+/// may see it.
 class Candidates {
  public:
   using SurfaceIndices = Lanes<std::uint32_t, double_lanes>;  ///< indices of surfaces in the scene's order
@@ -70,42 +70,45 @@ class Candidates {
   /// Returns the i-th surface's index in the scene's order.
   [[nodiscard]] int index(int i) const { return static_cast<int>(index_[slot(i)]); }
 
-  /// Returns a lower bound of t at which a camera ray of unit direction hits the i-th surface or any that
-  /// follows it, if the list is sorted near to far; 0 if not.
-  [[nodiscard]] float nearest(int i) const { return is_ordered_ ? *at(row_nearest, i) : 0; }
+  /// Returns a lower bound, maybe below 0, of t in scene units at which a camera ray of unit direction hits
+  /// the i-th surface or any that follows it, if the list is sorted near to far; 0 if not.
+  [[nodiscard]] float nearest(int i) const { return is_near_to_far_ ? *address_of(row_nearest, i) : 0; }
 
-  /// Returns the indices of all surfaces.
+  /// Returns index(i) of all surfaces.
   [[nodiscard]] std::span<const std::uint32_t> indices() const { return {index_.data(), slot(size_)}; }
 
-  /// Adds the surfaces of some lanes, each contained in a sphere, but for those wholly behind the film.
-  ///
-  /// A ray that meets a sphere still does when both are shifted. Hence a ray from the apex meets the sphere
-  /// with the radius `own` = around.radius + drift wherever the true ray meets the surface. For a lens, the
-  /// frustum is that of the rays through its center, and the part of a ray that meets a sphere is shifted by
-  /// drift_of_lens at most besides: `radius` = own + drift_of_lens. The frustum and the cone are tested with
-  /// `radius`, which is r below; nearest() and what is behind the film are computed with `own`.
-  ///
-  /// With u = 2^-24: the center from the apex, l, is off by at most u|l| in float, a normal by u, and their
-  /// product by 3u|l| more; in double, normals and rays have been turned by less than u. Hence the distance
-  /// from a plane is accurate to 6u|l|, and the radius to u r. The radius is raised by 2^-20 (|l| + r) = 16u
-  /// (|l| + r), which is more, and a little further as lines in float need it (visibility.hpp); 2^-140 covers
-  /// underflow. A sphere so large that the sums might overflow is taken to be everywhere. The distance of the
-  /// center from the film, computed in double, is accurate to that as well.
-  ///
-  /// Seen from outside, the sphere has an angular radius ψ with sin ψ = r/|l|. A cone of half-angle φ around
-  /// an axis a misses it if l is at more than φ + ψ from a, that is if
-  ///   a·l < |l| cos(φ + ψ) = cos φ · h − sin φ · r   with the distance of the horizon h = √(|l|² − r²).
-  /// |l|² − r² is accurate to 2^-50 (|l|² + r²), given |l| as it is computed. In float a·l is off by 6u|l|,
-  /// each product by 3u (|l| + r), cos φ and sin φ by 2u of them; with cos φ > 1/2, reducing h by
-  /// 2^-18 (|l| + r) = 64u (|l| + r) covers all of it.
-  ///
-  /// A ray that starts at the apex meets the sphere at no t below |l| − r; one that starts on a film, at no t
-  /// below the sphere's distance from the film.
-  ///
-  /// There is no inner radius if the apex may be inside the sphere, or if squares might leave the range of
-  /// float.
+  /// Adds the surfaces of some lanes, each contained in a sphere, but for those wholly behind the film, or
+  /// the lens, if its normal is certain. For a pinhole, as for any viewpoint with ahead = 0, that is never
+  /// so.
   void add(const SurfaceIndices& indices, Bits some, const Viewpoint& viewpoint,
            const SpheresAround& around) {
+    // A ray that meets a sphere still does when both are shifted, and a true ray, shifted by at most drift,
+    // is a part of one from the apex (Viewpoint; parallel rays have none). Hence a ray from the apex meets
+    // the sphere with the radius `own` = around.radius + drift wherever the true ray meets the surface. For a
+    // lens, the frustum is that of the rays through its center, and the part of a ray that meets a sphere is
+    // shifted by drift_of_lens at most besides: `radius` = own + drift_of_lens. The frustum and the cone are
+    // tested with `radius`, which is r below; nearest() and what is behind the film are computed with `own`.
+    //
+    // With u = 2^-24: the center from the apex, l, is off by at most u|l| in float, a normal by u, and their
+    // product by 3u|l| more; in double, normals and rays have been turned by less than u. Hence the distance
+    // from a plane is accurate to 6u|l|, and the radius to u r. The radius is raised by `error`,
+    // 2^-20 (|l| + r) = 16u (|l| + r), which is more, and a little further as lines in float need it
+    // (visibility.hpp); 2^-140 covers underflow. A sphere so large that the sums might overflow is taken to
+    // be everywhere. The distance of the center from the film, computed in double, is accurate to that as
+    // well.
+    //
+    // Seen from outside, the sphere has an angular radius ψ with sin ψ = r/|l|. A cone of half-angle φ around
+    // an axis a misses it if l is at more than φ + ψ from a, that is if
+    //   a·l < |l| cos(φ + ψ) = cos φ · h − sin φ · r   with the distance of the horizon h = √(|l|² − r²).
+    // |l|² − r² is accurate to 2^-50 (|l|² + r²), given |l| as it is computed. In float a·l is off by 6u|l|,
+    // each product by 3u (|l| + r), cos φ and sin φ by 2u of them; with cos φ > 1/2, reducing h by
+    // 2^-18 (|l| + r) = 64u (|l| + r) covers all of it.
+    //
+    // A ray that starts at the apex meets the sphere at no t below |l| − r; one that starts on a film, at no
+    // t below the sphere's distance from the film.
+    //
+    // There is no inner radius if the apex may be inside the sphere, or if squares might leave the range of
+    // float.
     const Vectors l = around.center - Vectors(viewpoint.apex);
     const Doubles distance = length(l),
                   depth = dot(Vectors(viewpoint.ahead), around.center - Vectors(viewpoint.film));
@@ -117,7 +120,7 @@ class Candidates {
     make_room(size_ + double_lanes);
     const LaneMask fits = distance + radius + abs(depth) < 0x1p120;
     const auto store = [&](Row row, const Doubles& numbers, double otherwise) {
-      store_chosen(at(row, size_), some, to_float(select(fits, numbers, Doubles(otherwise))));
+      store_chosen(address_of(row, size_), some, to_float(select(fits, numbers, Doubles(otherwise))));
     };
     store(row_x, l.x, 0), store(row_y, l.y, 0), store(row_z, l.z, 0);
     const Doubles along = 0x3p-20 * distance;
@@ -133,32 +136,34 @@ class Candidates {
     store(row_inner, select(is_sure, inner, Doubles(-1.0)), -1);
     size_ += store_chosen(index_.data() + size_, some, indices);
   }
+  /// Adds one surface, unless it is wholly behind the film.
   void add(int index, const Viewpoint& viewpoint, const SphereAround& around) {
     add(SurfaceIndices(static_cast<std::uint32_t>(index)), Bits{1}, viewpoint, SpheresAround(around));
   }
 
-  /// Adds those surfaces of another list that a tile may see, in their order.
+  /// Adds those surfaces of another list that a tile may see, in their order. Precondition: this list is
+  /// empty.
   [[gnu::noinline]] void add(const Candidates& others, const Frustum& frustum) {
-    is_ordered_ = others.is_ordered_;
+    is_near_to_far_ = others.is_near_to_far_;
     make_room(size_ + others.size_);
     others.each_seen(frustum, [&](int i, Bits seen) {
       for (int row = 0; row < row_count; ++row)
-        store_chosen(at(Row(row), size_), seen, Wide::load(others.at(Row(row), i)));
+        store_chosen(address_of(Row(row), size_), seen, Wide::load(others.address_of(Row(row), i)));
       size_ += store_chosen(index_.data() + size_, seen,
                             Lanes<std::uint32_t, float_lanes>::load(others.index_.data() + i));
     });
   }
 
-  /// Finds where in this list those surfaces are that a tile may see.
-  [[gnu::noinline]] void find(const Frustum& frustum, CandidateList& found) const {
+  /// Replaces `found` by the positions in this list, ascending, of the surfaces that a tile may see.
+  [[gnu::noinline]] void find(const Frustum& frustum, CandidatePositions& found) const {
     found.clear();
     each_seen(frustum, [&](int i, Bits seen) { found.add(i, seen); });
   }
 
-  /// Returns the sphere that contains the i-th surface.
+  /// Returns the sphere around the i-th surface.
   [[nodiscard]] CandidateSphere sphere(int i) const {
-    return {*at(row_x, i),     *at(row_y, i),     *at(row_z, i),
-            *at(row_reach, i), *at(row_inner, i), *at(row_margin, i)};
+    return {*address_of(row_x, i),     *address_of(row_y, i),     *address_of(row_z, i),
+            *address_of(row_reach, i), *address_of(row_inner, i), *address_of(row_margin, i)};
   }
 
   /// Returns true if all rays of a pinhole in a frustum surely meet the i-th surface, by the frustum's cone.
@@ -180,13 +185,15 @@ class Candidates {
                horizon * frustum.cosine + inner * frustum.sine;  // NaN fills nothing
   }
 
-  /// Returns true if the i-th surface has no bounds, or none that float holds.
-  [[nodiscard]] bool is_everywhere(int i) const { return !(*at(row_reach, i) < infinity); }
+  /// Returns true if any ray may hit the i-th surface, as it has no bounds, or none that float holds.
+  [[nodiscard]] bool is_everywhere(int i) const { return !(*address_of(row_reach, i) < infinity); }
 
-  void clear() { size_ = 0, is_ordered_ = false; }
+  void clear() { size_ = 0, is_near_to_far_ = false; }
 
+  /// Order of a list: near to far, roughly, in 256 steps of nearest(); or by the surfaces' indices.
   enum class Order { near_to_far, of_scene };
 
+  /// Sorts the list, so that nearest() returns bounds, or 0 in the scene's order.
   void sort(Order order) { order == Order::near_to_far ? order_by_distance() : order_by_index(); }
 
  private:
@@ -199,7 +206,7 @@ class Candidates {
   /// is the position of the first, and bit k of `seen` is set if surface i + k may be seen.
   [[gnu::always_inline]] void each_seen(const Frustum& frustum, const auto& visit) const {
     for (int i = 0; i < size_; i += float_lanes) {
-      const auto load = [&](Row row) { return Wide::load(at(row, i)); };
+      const auto load = [&](Row row) { return Wide::load(address_of(row, i)); };
       const Wide x = load(row_x), y = load(row_y), z = load(row_z), r = load(row_reach);
       const auto along = [&](const Frustum::Normal& n) {
         return fused_or_not(z, Wide(n[2]), fused_or_not(y, Wide(n[1]), x * n[0]));
@@ -214,12 +221,13 @@ class Candidates {
     }
   }
 
-  [[nodiscard]] float* at(Row row, int i) { return rows_[row].data() + i; }
-  [[nodiscard]] const float* at(Row row, int i) const { return rows_[row].data() + i; }
+  /// Returns where a number of the i-th surface is stored, and behind it those of the surfaces that follow.
+  [[nodiscard]] float* address_of(Row row, int i) { return rows_[row].data() + i; }
+  [[nodiscard]] const float* address_of(Row row, int i) const { return rows_[row].data() + i; }
 
   /// Sorts by nearest(), roughly, near first; then lowers each nearest(i) to the least from i on.
   void order_by_distance() {
-    is_ordered_ = true;
+    is_near_to_far_ = true;
     float least = std::numeric_limits<float>::infinity(), most = 0;
     for (int i = 0; i < size_; ++i) least = std::min(least, nearest(i)), most = std::max(most, nearest(i));
     const float scale = (buckets - 1) / (most - least);
@@ -230,11 +238,11 @@ class Candidates {
     start_order();
     sort_by(bucket);
     reorder();
-    for (int i = size_ - 2; i >= 0; --i) *at(row_nearest, i) = std::min(nearest(i), nearest(i + 1));
+    for (int i = size_ - 2; i >= 0; --i) *address_of(row_nearest, i) = std::min(nearest(i), nearest(i + 1));
   }
 
   void order_by_index() {
-    is_ordered_ = false;
+    is_near_to_far_ = false;
     start_order();
     for (int byte = 0; byte < 4; ++byte)
       sort_by([&](std::uint32_t i) { return index_[i] >> (8 * byte) & 255; });
@@ -282,7 +290,7 @@ class Candidates {
   }
 
   int size_ = 0;
-  bool is_ordered_ = false;  ///< true if near surfaces come first
+  bool is_near_to_far_ = false;  ///< true if nearest() is that of row_nearest
   PlainVector<float> rows_[row_count];
   PlainVector<std::uint32_t> index_;
 

@@ -1,4 +1,4 @@
-// Buffers for the work on one tile, and what of it pays.
+// Buffers that the work on a tile fills and later tiles use again, and the skips that pay.
 #pragma once
 
 #include <cstddef>
@@ -15,30 +15,30 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Returns the skips of the options, without lists of occluders in a picture of fewer than 64 pixels for
-/// each surface: a list would serve so few rays that its search costs more than it saves.
-[[nodiscard]] inline Skips skips_that_pay(const RenderOptions& options, const Tile& drawn,
+/// Returns the skips of the options, but no lists of occluders in a picture of fewer than 64 pixels for each
+/// surface: a list would serve so few rays that its search costs more than it saves. The picture has the size
+/// of options.crop, or without one that of the target's area.
+[[nodiscard]] inline Skips skips_that_pay(const RenderOptions& options, const Tile& area,
                                           std::size_t surfaces) {
   const Crop& crop = options.crop;
-  const auto pixels = crop.width > 0 ? 1.0 * crop.width * crop.height : 1.0 * drawn.width() * drawn.height();
+  const auto pixels = crop.width > 0 ? 1.0 * crop.width * crop.height : 1.0 * area.width() * area.height();
   Skips skips = options.skips;
   skips.occluder_lists = skips.occluder_lists && pixels >= 64.0 * static_cast<double>(surfaces);
   return skips;
 }
 
-/// Buffers of a tile and of its parts: the candidates of the tile and of parts of each size, what the pixels
-/// of a part see, and the sums of their samples.
+/// Buffers of a tile and of its parts.
 template <Surface... S>
 struct TileWork {
   static constexpr int most_divisions = 3;  ///< how often a tile is divided into smaller parts
 
-  Candidates lists[most_divisions + 1];
-  CandidateList seen_by_block;  ///< candidates that a block of rays may see
-  Visibility visibility;
+  Candidates lists[most_divisions + 1];  ///< candidates of the tile, and of a part after each division
+  CandidatePositions seen_by_block;      ///< in the list of a part: candidates that a block of rays may see
+  Visibility visibility;                 ///< first surface of each pixel of a part
   TileState<S...> state;
-  PacketSums sums[most_packets];  ///< of the samples so far, unless a pixel keeps a single one
+  PacketSums sums[most_packets];  ///< sums of the samples so far of a part, unless pixels keep a single one
   TileWork* next;                 ///< in the list of all buffers of a picture
-  bool is_taken;
+  bool is_taken;                  ///< true while a tile uses them
 };
 
 /// Buffers of the tiles of a picture. They are large, so that a tile takes those of an earlier one.
@@ -57,7 +57,8 @@ class TileWorks {
     }
   }
 
-  /// Returns buffers that no other tile uses.
+  /// Returns buffers that no other tile uses, with counts of 0, and without visibility buffers or occluders;
+  /// all else in them is undefined. May be called by several threads at once, as may give_back.
   [[nodiscard]] Work& take() {
     const std::lock_guard lock(sharing_);
     Work* work = first_;
@@ -74,7 +75,7 @@ class TileWorks {
     return *work;
   }
 
-  /// Takes buffers back, and adds their counts to the statistics, if these are not null.
+  /// Takes back buffers that take() returned, and adds their counts to the statistics, unless these are null.
   void give_back(Work& work, RenderStatistics* statistics) {
     const std::lock_guard lock(sharing_);
     if (statistics) *statistics += work.state.counts;

@@ -1,5 +1,5 @@
-// Visibility buffer: what each pixel of a part of a tile sees first, as far as float tells: nothing, one
-// surface, a surface unless another comes before it, or a surface that float cannot name.
+// Visibility buffer of a part of a tile. As far as float tells, each pixel sees nothing, one surface, one
+// unless one other comes before it, or is in doubt.
 //
 // A candidate is a sphere that contains a surface: radius r, center l measured from the apex of the pinhole.
 // With u = 2^-24, what sphere_filter.hpp computes of it is off by at most
@@ -30,20 +30,20 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Returns how the rays of a block pass a candidate.
+/// Returns how the rays of a block, which start at the apex, pass a candidate.
 [[nodiscard, gnu::always_inline]] inline SpherePass pass(const CandidateSphere& sphere,
                                                          const WideVectors& directions) {
   return {LinePass(directions, {sphere.x, sphere.y, sphere.z}), sphere.reach, sphere.inner, sphere.margin};
 }
 
-/// Values in place of the index ≥ 0 of a surface in the scene's order: the ray surely misses all surfaces, or
-/// float cannot tell what it hits first.
+/// Values in place of the index ≥ 0 of a surface in the scene's order: none, or doubt which it is.
 inline constexpr std::int32_t no_surface_index = -1, doubtful_index = -2;
 
 namespace detail {
 
-/// Surfaces that the rays of a block surely hit first, unless they hit one of several others before: `others`
-/// is the one of these that begins first. `tested` counts candidates.
+/// Surfaces that the rays of a block surely hit first, or no_surface_index, unless they hit one of some
+/// others before. `others` is the one of these that may begin first, if have_other is true; if have_several
+/// is true, there are more. `tested` counts candidates.
 struct FirstSeen {
   WideIndices indices, others;
   WideMask have_other, have_several;
@@ -55,9 +55,11 @@ inline bool squares_fit_float(const CandidateSphere& sphere) {
   return 0x1p-40f < sphere.reach && sphere.reach < 0x1p60f;
 }
 
+/// Finds the first of the candidates at `positions`, by bounds of t with square roots or without. It stops
+/// where no candidate can be hit sooner, as a list that is sorted near to far tells.
 template <bool with_roots>
 [[nodiscard, gnu::always_inline]] inline FirstSeen first_seen(const Candidates& candidates,
-                                                              const CandidateList& positions,
+                                                              const CandidatePositions& positions,
                                                               const WideVectors& directions) {
   constexpr float never = std::numeric_limits<float>::infinity();
   // Bounds of the first hit of the surface that is surely met soonest, and where the first and the second of
@@ -72,7 +74,7 @@ template <bool with_roots>
     const CandidateSphere sphere = candidates.sphere(k);
     const SpherePass passed = pass(sphere, directions);
     const WideMask maybe = passed.maybe();
-    // Whether any ray may meet it is as good as random, and therefore no branch, unless it saves roots.
+    // It is as good as random if any ray may meet it, and therefore no branch, unless it saves roots.
     if (with_roots && !any(maybe)) continue;
     const WideIndices index = candidates.index(k);
     const auto entry = with_roots && squares_fit_float(sphere) ? passed.entry() : passed.entry_roughly();
@@ -92,9 +94,9 @@ template <bool with_roots>
 
 }  // namespace detail
 
-/// First surface on each ray of a block, as far as float tells. `indices` holds its index in the scene's
-/// order, no_surface_index if the ray surely misses all, or doubtful_index. `others` holds the one other
-/// surface that the ray may hit earlier; where it is no_surface_index, `indices` is certain.
+/// First surface on each ray of a block, as far as float tells. `indices` holds the index of the first that
+/// the ray surely hits, no_surface_index if there is none, or doubtful_index. `others` holds the one other
+/// surface that the ray may hit earlier; if it is no_surface_index, `indices` is certain.
 struct SeenByBlock {
   WideIndices indices, others;
   int ray_tests;  ///< number of tests of a ray with a candidate
@@ -105,7 +107,7 @@ struct SeenByBlock {
 /// than one other surface; or with any other, if rays are not traced anyway and a certain pixel needs none.
 [[nodiscard, gnu::always_inline]] inline SeenByBlock seen_by(const WideVectors& directions,
                                                              const Candidates& candidates,
-                                                             const CandidateList& positions,
+                                                             const CandidatePositions& positions,
                                                              bool are_traced_anyway) {
   detail::FirstSeen seen = detail::first_seen<false>(candidates, positions, directions);
   int tested = seen.tested;
@@ -118,11 +120,11 @@ struct SeenByBlock {
           tested * float_lanes};
 }
 
-/// What the rays of a packet see first, as of a block (SeenByBlock).
+/// First surface on each ray of a packet, as SeenByBlock tells those of a block; in doubt unless set.
 struct SeenByPacket {
   Indices indices = doubtful_index, others = no_surface_index;
 
-  /// Returns what each ray surely sees, or doubtful_index.
+  /// Returns indices where they are certain, else doubtful_index.
   [[nodiscard]] Indices surely() const {
     return select(others == Indices(no_surface_index), indices, Indices(doubtful_index));
   }
@@ -134,10 +136,12 @@ class Visibility {
  public:
   static constexpr int width = 16, height = 16;  ///< largest size of a part
 
+  /// Sets the surfaces of the block that begins at pixel (x, y).
   void set_block(int x, int y, const SeenByBlock& seen) {
     seen.indices.store(&indices_[slot(x, y)]), seen.others.store(&others_[slot(x, y)]);
   }
 
+  /// Sets the surfaces of the packet that begins at pixel (x, y), each of them certain or doubtful_index.
   void set_packet(int x, int y, const Indices& indices) {
     for (int i = 0; i < double_lanes; ++i) {
       indices_[slot(x, y) + static_cast<std::size_t>(i)] = static_cast<std::int32_t>(indices[i]);
@@ -145,7 +149,7 @@ class Visibility {
     }
   }
 
-  /// Returns what the pixels of a packet from (x, y) on see.
+  /// Returns the surfaces of the packet that begins at pixel (x, y).
   [[nodiscard]] SeenByPacket operator()(int x, int y) const {
     return {in_packet(indices_, x, y), in_packet(others_, x, y)};
   }
