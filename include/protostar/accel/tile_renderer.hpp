@@ -1,6 +1,6 @@
 // Renderer of the tiles of a picture: culls the surfaces that a tile cannot see, finds in float what its
 // pixels see, and traces packets only through pixels that float leaves in doubt, or whose color needs the hit
-// point.
+// point. An integrator that takes no packets gets one ray after the other.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,8 @@ class TileRenderer {
  public:
   using Target = protostar::detail::SampleTarget;
 
-  /// Borrows what the target does, the scene, the integrator and the statistics.
+  /// Borrows what the target does, the scene, the integrator and the statistics; copies the camera. Throws
+  /// std::invalid_argument for options that make no sense together or with the target (SampleTarget::grid).
   [[gnu::cold]] TileRenderer(const Target& target, const Camera& camera,
                              const Accelerated<Scene<S...>>& scene, const I& integrator,
                              const RenderOptions& options)
@@ -47,7 +48,8 @@ class TileRenderer {
         skips_(skips_that_pay(options, target.tile(), scene.scene().size())),
         statistics_(options.statistics) {}
 
-  /// Fills a tile.
+  /// Fills a tile of the image or the film, which begins at multiples of 16 pixels and is at most 64 pixels
+  /// wide and high. Several threads may fill one each: fallbacks are counted by thread.
   void operator()(const Tile& tile) const {
     const Fallbacks before = fallbacks;
     Work& work = works_.take();
@@ -55,7 +57,7 @@ class TileRenderer {
     Candidates& in_tile = work.lists[0];
     candidates_.find(tile, frustum, in_tile);
     if constexpr (by_packets && View::rasterizes)
-      if (are_tested_together()) rasterize(in_tile, tile, work);
+      if (have_common_start_and_places()) rasterize(in_tile, tile, work);
     if (!try_fill_uniform(tile, in_tile, frustum, work)) fill_parts(tile, in_tile, 0, work);
     work.state.counts.exact = fallbacks.exact - before.exact;
     work.state.counts.undecided = fallbacks.undecided - before.undecided;
@@ -68,36 +70,42 @@ class TileRenderer {
   using Order = Candidates::Order;
   using Work = TileWork<S...>;
 
+  /// Ways to ask the integrator: by packets or by single rays; to shade closest hits, or for the radiance of
+  /// rays; with a sampler or without; without a point of the hit, or with one.
   static constexpr bool by_packets = PacketIntegrator<I> || FollowsPaths<I>;
   static constexpr bool shades = ShadingIntegrator<I, View>;
   static constexpr bool takes_sampler =
       shades ? ShadesBySampler<I, View> : protostar::detail::takes_sampler<I, View>;
   static constexpr bool shades_without_point = shades && ShadesWithoutPoint<I> && !takes_sampler;
 
-  /// An integrator that may ask for all hits needs the scene's order.
+  /// Order of the candidates: the scene's if packets ask for radiance, and so maybe for all crossings. Single
+  /// rays get these from the whole scene.
   static constexpr Order order = shades || !by_packets ? Order::near_to_far : Order::of_scene;
 
   /// Step of the division of a tile: a rectangle with more than `most` candidates is split into parts of
-  /// width × height pixels, and one with fewer skips the step; −1 splits all.
+  /// width × height pixels, and one with `most` or fewer goes on to the next step. −1 splits all, so that
+  /// parts are 16 × 16 or smaller.
   struct Division {
     int width, height, most;
   };
   static constexpr Division divisions[Work::most_divisions] = {{32, 32, 64}, {16, 16, -1}, {8, 8, 3}};
 
-  static constexpr int least_width_with_cone = 16;  ///< in pixels
+  /// Parts of a division narrower than that, in pixels, get a frustum without a cone.
+  static constexpr int least_width_with_cone = 16;
 
-  /// Largest number of candidates that are tested in double as fast as in float, for colors that need t.
+  /// Largest number of candidates for which tests in float do not pay, if every hit is traced for its t
+  /// anyway.
   static constexpr int most_tested_in_double = 3;
 
-  /// Largest number of candidates of which a block of rays tests all as fast as it culls them by its frustum
-  /// first.
+  /// Largest number of candidates that a block tests without culling them by its own frustum.
   static constexpr int most_without_block_culling = 16;
 
   [[nodiscard]] View view_of(const Candidates& candidates, Work& work) const {
     return View(scene_, candidates, skips_, work.state);
   }
 
-  /// Rasterizes the candidates that can be.
+  /// Fills the visibility buffers of the candidates of types that rasterize, one for each sample, while
+  /// buffers last.
   void rasterize(const Candidates& candidates, const Tile& tile, Work& work) const {
     const View view = view_of(candidates, work);
     const TileHalfSpaces half_spaces(rays_, tile);
@@ -112,8 +120,8 @@ class TileRenderer {
       });
   }
 
-  /// Fills a tile or a part of one. One that has many candidates is divided, from divisions[next] on: its
-  /// candidates are culled for each of its parts. A cone takes longer to test than the planes and serves few
+  /// Fills a tile, or a part of one, by the divisions from `next` on: the first that it does not skip splits
+  /// it, and culls its candidates for each part. A cone takes longer to test than the planes and serves few
   /// parts, so that small ones have none.
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t next, Work& work) const {
     while (next < std::size(divisions) && candidates.size() <= divisions[next].most) ++next;
@@ -131,9 +139,9 @@ class TileRenderer {
   }
 
   /// Fills a tile, or a part of one, with one color and returns true, if it is certain that all its samples
-  /// have it; otherwise changes nothing and returns false. All rays of a frustum without candidates miss; all
-  /// rays of one that a candidate fills meet that candidate, and the integrator may tell its radiance without
-  /// the points that they meet.
+  /// have it; otherwise changes nothing and returns false. It is certain without candidates, which all rays
+  /// then miss; if the only candidate fills the frustum, for an integrator that shades without a point; and
+  /// if all candidates fill it, for one that asks for crossings. A texture makes it uncertain.
   [[nodiscard]] bool try_fill_uniform(const Tile& tile, const Candidates& candidates, const Frustum& frustum,
                                       Work& work) const {
     if constexpr (by_packets && (shades || !takes_sampler)) {
@@ -157,8 +165,8 @@ class TileRenderer {
   /// there is no environment.
   [[nodiscard]] bool may_skip_rays() const { return skips_.empty_tiles && !scene_.scene().environment(); }
 
-  /// Returns the light of all samples of a tile that see nothing, without candidates, or cross all
-  /// candidates.
+  /// Returns the light of all samples of a tile whose rays surely miss, without candidates, or else hit the
+  /// only one or cross all (try_fill_uniform).
   [[nodiscard, gnu::noinline]] Color uniform_light(const Tile& tile, const Candidates& candidates,
                                                    const View& view, Work& work) const {
     const CameraPacket rays =
@@ -177,8 +185,8 @@ class TileRenderer {
     return {colors.r[0], colors.g[0], colors.b[0]};
   }
 
-  /// Returns the radiance of pixels that surely see these surfaces, or nothing, without their own rays: any
-  /// camera rays stand for those that miss. All see nothing unless the integrator shades anywhere.
+  /// Returns the radiance of pixels that surely see these surfaces, which have no texture, or nothing, as all
+  /// do unless the integrator shades without a point. Any camera rays stand for those that miss.
   [[nodiscard]] Colors shade_seen(const Indices& seen, const CameraPacket& any_rays, const View& view) const {
     const auto background = [&] { return integrator_.background(any_rays, view); };
     if constexpr (shades_without_point)
@@ -192,9 +200,9 @@ class TileRenderer {
     return static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
   }
 
-  /// Fills a part of at most 16 × 16 pixels with the radiance of each pixel's rays. A film keeps one or two
-  /// sums for each pixel, of which sample i belongs to sum i mod their number; they are filled one after the
-  /// other.
+  /// Fills a part of at most 16 × 16 pixels with the radiance of each pixel's rays. A pixel has one sum in an
+  /// image and `scramblings` in a film: sample i belongs to sum i mod their number. They are filled one after
+  /// the other.
   void fill(const Tile& part, const Candidates& candidates, Work& work) const {
     View view = view_of(candidates, work);
     const PixelGrid& pixels = rays_.pixels();
@@ -228,8 +236,8 @@ class TileRenderer {
     }
   }
 
-  /// Adds colors to the i-th samples of a packet, which begins at pixel (x, y) of a part; or gives them to
-  /// the pixels, if it is their only sample and has the weight 1.
+  /// Adds colors, times the filter's weights of sample i, to the sums of the pixels of a packet, which begins
+  /// at pixel (x, y) of a part; or sets the pixels to them, if each has one sample of weight 1.
   void add(const Tile& part, int x, int y, int i, const PacketRays& rays, const Colors& colors,
            Work& work) const {
     const Colors light = rays_.pixels().bounded(colors);
@@ -237,9 +245,9 @@ class TileRenderer {
     work.sums[PacketSums::index(part, x, y)].add(light * rays_.weights(i, rays));
   }
 
-  /// Returns true if float may be asked what rays see: they begin in one point, and those of a block lead
-  /// through the same place of their pixels.
-  [[nodiscard]] bool are_tested_together() const {
+  /// Returns true if all camera rays start at one point, and sample i has the same place in every pixel, as
+  /// tests in float and rasterization need it.
+  [[nodiscard]] bool have_common_start_and_places() const {
     return rays_.is_pinhole() && rays_.pixels().has_common_places();
   }
 
@@ -304,7 +312,7 @@ class TileRenderer {
 
   /// Adds the i-th sample of a part, for an integrator that is asked for the radiance of rays.
   void fill_radiance(const Tile& part, const View& view, int i, Work& work) const {
-    const bool is_tested = AsksForCrossings<I> && are_tested_together() && skips_.sure_in_float;
+    const bool is_tested = AsksForCrossings<I> && have_common_start_and_places() && skips_.sure_in_float;
     std::uint64_t skipped = 0;
     each_block(part, [&](const Tile& block) {
       const bool is_certain = is_tested && view.list_crossed(rays_.block_directions(block.x0, block.y0, i));
@@ -332,13 +340,13 @@ class TileRenderer {
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
 
-  /// Finds what the pixels of a part see first: from the visibility buffer of the only candidate, if that is
-  /// rasterized; or as far as float tells. Returns false if float is not asked: the option is off, the camera
-  /// is no pinhole, each pixel has places of its own, a candidate has no bounds, or testing so few candidates
-  /// in double is as fast.
+  /// Finds what the pixels of a part see first, and sets work.visibility: from the visibility buffer of the
+  /// only candidate, if that is rasterized; or as far as float tells. Returns false, without a result, if the
+  /// option is off, the camera is no pinhole, each pixel has places of its own, a candidate is everywhere, or
+  /// tests in float of so few do not pay.
   [[nodiscard]] bool find_visibility(const Tile& part, const Candidates& candidates, const View& view, int i,
                                      Work& work) const {
-    if (!are_tested_together() || !skips_.sure_in_float) return false;
+    if (!have_common_start_and_places() || !skips_.sure_in_float) return false;
     view.set_packet_position(part.x0, part.y0, i);
     const bool is_in_buffer = view.with_only_buffer([&](const auto& drawn) {
       each_packet(part, [&](std::size_t, int x, int y) {
@@ -380,7 +388,7 @@ class TileRenderer {
   const Accelerated<Scene<S...>>& scene_;
   const I& integrator_;
   PixelRays rays_;
-  bool keeps_light_;  ///< true if pixels get the light of their only sample, unchanged
+  bool keeps_light_;  ///< true if pixels of an image get the light of their only sample, of weight 1
   PictureCandidates<S...> candidates_;
   Skips skips_;
   RenderStatistics* statistics_;
