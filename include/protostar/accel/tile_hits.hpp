@@ -27,8 +27,9 @@ template <Surface... S>
 class TileHits {
  public:
   using State = TileState<S...>;
-  static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< true if any type can be rasterized
-  static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);  ///< true if any type has
+  /// True if any type can be rasterized; and if surfaces of any type may have primitives.
+  static constexpr bool rasterizes = (RasterizedSurface<S> || ...);
+  static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);
 
   /// Type of Closest::primitive if no surface has primitives.
   struct Nothing {
@@ -40,7 +41,8 @@ class TileHits {
     Indices index;            ///< surface's index in the scene's order; no_surface_index if the ray misses
     LaneMask is_far = false;  ///< true at the second root of a surface that takes packets
 
-    /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0.
+    /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0, which is −1 for
+    /// root 0 of primitive 0.
     [[no_unique_address]] std::conditional_t<may_have_primitives, Indices, Nothing> primitive = -1;
   };
 
@@ -51,7 +53,8 @@ class TileHits {
   /// with a CameraPacket, since visibility buffers are read there.
   void set_packet_position(int x, int y, int sample) const { first_x_ = x, first_y_ = y, sample_ = sample; }
 
-  /// Calls visit(surface, material) for the surface with this index in the scene's order.
+  /// Calls visit(surface, material) for the surface with an index in the scene's order,
+  /// 0 ≤ index < scene.size().
   void visit(std::int64_t index, const auto& visit) const {
     auto i = static_cast<std::size_t>(index);
     const auto is_of = [&](const auto& surfaces, const auto& materials) {
@@ -163,8 +166,8 @@ class TileHits {
     for (const std::uint32_t index : candidates_.indices())
       prefetch_surface(static_cast<std::int64_t>(index));
   }
-  /// Prefetches the surfaces that pixels see, and their materials. How many differ is as good as random, and
-  /// therefore no branch.
+  /// Prefetches the surfaces that pixels see, and their materials: in all lanes, though indices may be equal,
+  /// and surface 0 for a negative one. A branch on what is as good as random would take longer.
   void prefetch_seen(const Indices& seen) const {
     for (int lane = 0; lane < double_lanes; ++lane)
       visit(std::max(seen[lane], std::int64_t{0}), [](const auto& surface, const Material& material) {
@@ -187,6 +190,7 @@ class TileHits {
 
   static LaneMask only_lane(int lane) { return mask_of<double, double_lanes>(Bits{1} << lane); }
 
+  /// Counts a test with a surface, in double or by its visibility buffer, for each of these rays.
   void count_tests(LaneMask which) const {
     state_.counts.surface_tests += static_cast<std::uint64_t>(std::popcount(bits(which)));
   }
@@ -203,6 +207,8 @@ class TileHits {
     int index = no_surface_index;
     SurfaceCrossing crossing;
   };
+  /// Returns the closest hit in t > 0 of a ray among the surfaces with these indices, which may have any
+  /// order; if hits are equal, the one of the smallest index.
   [[nodiscard, gnu::noinline, gnu::cold]] IndexedCrossing closest_of_one_ray(
       const Ray& ray, std::span<const std::uint32_t> indices) const {
     IndexedCrossing first;
@@ -238,8 +244,10 @@ class TileHits {
   mutable int first_x_ = 0, first_y_ = 0, sample_ = 0;
 
  private:
-  /// Returns the closest hits of rays: those so far, and in some lanes, those of tests of all surfaces.
-  /// Camera rays have visibility buffers.
+  /// Tests the rays of some lanes with surfaces, Candidates or AllOfFew, in their order, until none can be
+  /// hit sooner than `closest`. Returns the closest hits of all lanes; rays in doubt, by these tests or
+  /// in_doubt, are traced alone among all of the surfaces. Only camera rays may be tested by visibility
+  /// buffers.
   [[nodiscard, gnu::always_inline]] Closest search(
       const RayPacket& rays, LaneMask lanes, const auto& surfaces, bool are_of_camera,
       Closest closest = {.t = infinity, .index = no_surface_index}, LaneMask in_doubt = false) const {
@@ -330,6 +338,8 @@ class TileHits {
         return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
     return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material)));
   }
+
+  /// Returns the radiance of rays that hit one surface, of one hit after the other.
   template <Surface T>
   [[nodiscard, gnu::noinline]] Colors shade_one_by_one(const T& surface, const Material& material,
                                                        const RayPacket& rays, const Closest& closest,
@@ -343,8 +353,9 @@ class TileHits {
     }
     return result;
   }
-  /// Returns the crossing of a closest hit. Types that take no packets, or are made of lanes, compute it
-  /// again, unless `closest` has the number of its primitive; so do hits from a visibility buffer.
+
+  /// Returns the crossing of the closest hit in a lane: by number_of it, or by t and is_far for a type that
+  /// takes packets. It is found again for all other types, and for hits from a visibility buffer.
   template <Surface T>
   [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
                                             int lane) {
