@@ -23,14 +23,15 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// segment.
 ///
 /// drift is 2^-44 of the size of points, |apex| + length. Origins and ends of rays are accurate to 2^-51 of
-/// this, and so are comparisons of lengths; the tolerance of holds(), 2^-46, is well inside.
+/// this, and so are comparisons of lengths; the tolerance of holds(), drift/4, is well inside.
 class ConeToLight {
  public:
   ConeToLight() = default;  ///< holds nothing
 
-  /// Makes a cone for the chosen rays in 0 < t < 1 that end together, and similar ones: about `wide` times as
-  /// wide as they are, plus a tenth of a degree, and a quarter longer. It holds nothing if its half-angle is
-  /// above 30°, or if lengths are extreme; holds() is false for rays that do not end together.
+  /// Makes a cone for the chosen rays in 0 < t < 1 that end together, and similar ones: the sine of its
+  /// half-angle is `wide` · (that of theirs + 2^-9), and it is a quarter longer. It holds nothing if the
+  /// half-angle is 30° or more, or if lengths are extreme; holds() is false for rays that do not end
+  /// together. Precondition: a ray is chosen.
   ConeToLight(const RayPacket& rays, LaneMask which, double wide = 4) {
     const int first = std::countr_zero(bits(which));
     apex_ = rays.origin[first] + rays.direction[first];
@@ -42,7 +43,7 @@ class ConeToLight {
     if (!(sine_ < 0.5 && 0x1p-90 < length_ && length_ < 0x1p90 && glm::length(apex_) < 0x1p400)) close();
   }
 
-  /// Returns true if all chosen rays, in 0 < t < 1, lie inside.
+  /// Returns true if all chosen rays lie inside in 0 < t < 1, and end at the apex.
   [[nodiscard]] bool holds(const RayPacket& rays, LaneMask which) const {
     const Vectors end = rays.origin + rays.direction - Vectors(apex_), w = rays.origin - Vectors(apex_);
     const Doubles distance = sqrt(dot(w, w));
@@ -57,9 +58,9 @@ class ConeToLight {
   /// Makes the cone hold nothing.
   void close() { length_ = 0; }
 
-  /// Returns half-spaces that contain the cone: a normal e that is orthogonal to the axis a, turned towards a
-  /// by the half-angle φ, e cos φ + a sin φ, is orthogonal to the cone's side; the last is the plane at the
-  /// cone's end.
+  /// Returns half-spaces that contain the cone, moved out by drift. Four are at its side, to which a normal e
+  /// that is orthogonal to the axis a becomes orthogonal if it is turned towards a by the half-angle φ:
+  /// e cos φ + a sin φ. The last is at the cone's end.
   [[nodiscard]] std::array<HalfSpace, 5> half_spaces() const {
     const Vec3 size = abs(axis_);
     const Vec3 other = size.x <= size.y && size.x <= size.z ? Vec3{1, 0, 0}
@@ -74,9 +75,9 @@ class ConeToLight {
             moved_out(apex_ + length_ * axis_, -axis_)};
   }
 
-  /// Sphere as seen from the apex: its center, the center's distance, its radius with the drift of rays, and
-  /// the length of a tangent from the apex. A sphere that contains the apex, or is at a distance that
-  /// float does not hold well, is in every direction, at no distance.
+  /// Sphere as seen from the apex: its center, measured from there, the center's distance, its radius, larger
+  /// by the drift of rays and by rounding, and the length of a tangent from the apex. A sphere that contains
+  /// the apex, or is at a distance that float does not hold well, is in every direction, at no distance.
   struct Seen {
     Vec3 center{0};
     double distance = 0, radius = 0, horizon = -infinity;
@@ -89,7 +90,7 @@ class ConeToLight {
     return {l, distance, radius, std::sqrt((distance - radius) * (distance + radius))};
   }
 
-  /// Returns true if a sphere may reach into the cone, as derived at Candidates::add; here in double, where
+  /// Returns true if a sphere may reach into the cone, as derived in Candidates::add; here in double, where
   /// 2^-40 of all lengths covers the rounding.
   [[nodiscard]] bool may_hold(const Seen& sphere) const {
     const auto& [l, distance, radius, horizon] = sphere;
@@ -126,8 +127,8 @@ class ConeToLight {
 
   Point apex_{0};
   Vec3 axis_{0};
-  double cosine_ = 1, sine_ = 0;  ///< cosine and sine of the half-angle
-  double drift_ = 0, length_ = 0;
+  double cosine_ = 1, sine_ = 0;   ///< cosine and sine of the half-angle
+  double drift_ = 0, length_ = 0;  ///< in scene units; a length of 0 holds nothing
 };
 
 /// Spheres that reach into a cone, in float, so that many are tested at once.
@@ -144,7 +145,7 @@ class InCone {
   }
   [[nodiscard]] std::size_t size() const { return indices_.size(); }
 
-  /// Adds the surface with this index in the scene's order.
+  /// Adds the surface with this index in the scene's order, by the sphere around it.
   void add(int index, const ConeToLight::Seen& sphere) {
     constexpr std::size_t n = float_lanes;
     const std::size_t i = indices_.size(), at = i / n * rows * n + i % n;
@@ -156,7 +157,7 @@ class InCone {
     for (std::size_t k = 0; k < rows; ++k) rows_[at + k * n] = static_cast<float>(row[k]);
   }
 
-  /// Calls visit(index) for all surfaces that may reach into a cone with this apex.
+  /// Calls visit(index) for those of the surfaces that may reach into a cone with the same apex.
   void each_within(const ConeToLight& cone, const auto& visit) const {
     const auto in_float = [](double x) { return Row(static_cast<float>(x)); };
     const Row x = in_float(cone.axis().x), y = in_float(cone.axis().y), z = in_float(cone.axis().z);
@@ -174,21 +175,22 @@ class InCone {
   using Row = Lanes<float, float_lanes>;
   static constexpr std::size_t rows = 6;
 
-  /// Value of unused lanes: a distance beyond the end of all cones.
+  /// Value of unused lanes: as a nearest point, it is beyond the end of all cones.
   static constexpr float nowhere = std::numeric_limits<float>::infinity();
 
   PlainVector<int> indices_;
   PlainVector<float> rows_;  ///< one row for each number, of as many spheres as a vector holds
 };
 
-/// Lists of occluders of a tile, a few for each light.
+/// Lists of occluders of a tile, a few for each light, which rays of several packets use.
 class Occluders {
  public:
   void clear() { count_ = next_ = 0; }
 
-  /// Returns the surfaces that rays in 0 < t < 1 may hit, as indices in the scene's order; null if each ray
-  /// is better traced alone. search(half_spaces, visit) calls visit(SurfacesAround) for all surfaces that may
-  /// be in half-spaces.
+  /// Returns the indices, in any order, of the surfaces that the chosen rays may hit in 0 < t < 1, valid
+  /// until the next call; null if each ray is better traced alone. search(half_spaces, visit) calls
+  /// visit(SurfacesAround) for the surfaces that may reach into all of the half-spaces. Precondition: a ray
+  /// is chosen.
   [[nodiscard]] const PlainVector<int>* between(const RayPacket& rays, LaneMask which, const auto& search) {
     ToLight& to_light = lists_for(rays, std::countr_zero(bits(which)));
     List* list = to_light.list_of(rays, which);
@@ -259,8 +261,12 @@ class Occluders {
     List lists[lists_each];
     std::size_t next = 0;
     double wide = 4;  ///< width of a cone, as a multiple of that of a packet's rays
+
+    /// Number of rays that lists have served since the last search; number of packets without a list that are
+    /// still to be traced alone, and how many they were after the last search.
     int served = 256, waits = 0, pause = 0;
 
+    /// Returns a list whose cone holds the rays; null if there is none.
     List* list_of(const RayPacket& rays, LaneMask which) {
       for (List& list : lists)
         if (list.cone.is_cone() && list.cone.holds(rays, which)) return &list;
@@ -268,6 +274,8 @@ class Occluders {
     }
   };
 
+  /// Returns the lists for the light at which the ray in a lane ends: new ones, in place of the oldest if
+  /// there are most_lights, for a light that has none.
   ToLight& lists_for(const RayPacket& rays, int lane) {
     const Point end = rays.origin[lane] + rays.direction[lane];
     for (std::size_t i = 0; i < count_; ++i)

@@ -23,6 +23,8 @@ inline constexpr std::size_t few_surfaces = 16;
 struct Uvs {
   Doubles x, y;
 };
+
+/// Returns surface coordinates; one that is NaN or not within 2^500 becomes 0.
 [[nodiscard]] inline Uvs uv_of(Doubles u, Doubles v) {
   return {select(abs(u) < 0x1p500, u, Doubles(0.0)), select(abs(v) < 0x1p500, v, Doubles(0.0))};
 }
@@ -53,7 +55,7 @@ struct Colors {
   }
 };
 
-/// Clamps each channel of the light to the largest float.
+/// Returns light with each channel clamped to the largest float.
 [[nodiscard]] inline Colors clamped(const Colors& light) {
   const auto one = [](Floats x) { return min(x, Floats(std::numeric_limits<float>::max())); };
   return {one(light.r), one(light.g), one(light.b)};
@@ -73,7 +75,7 @@ struct RayPacket {
   LaneMask active = true;          ///< active lanes; results in the others do not matter
   Departure departure;             ///< geometry that all rays leave; none if `departed` is a surface
   const void* departed = nullptr;  ///< surface of which each ray leaves a primitive; null for other rays
-  const SurfaceFunctions* functions = nullptr;  ///< those of that surface
+  const SurfaceFunctions* functions = nullptr;  ///< functions of that surface
   Indices departed_primitives;                  ///< indices of those primitives; not set for other rays
   Doubles time = 0.0;                           ///< Ray::time
 
@@ -106,6 +108,8 @@ struct RayPacket {
   RayPacket& operator=(const RayPacket&) = default;
 
   [[nodiscard]] Vectors at(Doubles t) const { return origin + t * direction; }
+
+  /// Returns rays that differ in their directions alone.
   [[nodiscard]] RayPacket with_direction(const Vectors& towards) const {
     RayPacket rays = *this;
     rays.direction = towards;
@@ -147,12 +151,12 @@ struct CameraPacket : RayPacket {
 
 /// Closest hit of each ray of a packet with a surface inside a range.
 struct ClosestCrossings {
-  Doubles t;
+  Doubles t;                ///< parameter of the hit where `met` is true
   LaneMask met, in_doubt;   ///< a ray in doubt has to be traced alone
   LaneMask is_far = false;  ///< true if it is the second root of its line, for a surface that takes packets
 };
 
-/// True for a surface whose equation, and normal_at, take several rays at once.
+/// True for a surface with an equation, but no roots of its own, whose equation and normal_at take packets.
 template <class S>
 inline constexpr bool takes_packets =
     SurfaceWithEquation<S> && !SurfaceWithRoots<S> && requires(const S& surface, const RayPacket& rays) {
@@ -175,7 +179,8 @@ struct Inside {
           .maybe = range.min < t + margin && t - margin < range.max};
 }
 
-/// Returns root and primitive of a crossing as one number, which is below 0 since roots are counted from 0.
+/// Returns root and primitive of a crossing as one number, which is below 0 since roots are counted from 0;
+/// crossing_at takes it apart.
 [[nodiscard]] inline std::int64_t number_of(const Crossing& crossing) {
   return ~(std::int64_t{crossing.root} << 32 | static_cast<std::uint32_t>(crossing.primitive));
 }
@@ -184,8 +189,8 @@ struct Inside {
       .t = t, .root = static_cast<int>(~number >> 32), .primitive = static_cast<int>(~number & 0xffffffff)};
 }
 
-/// Returns first_crossing of the active rays of a packet, one by one, and sets `numbers` to number_of these
-/// crossings.
+/// Returns first_crossing of the active rays of a packet, one by one, and sets `numbers` of the rays that
+/// have one to number_of it.
 template <Surface S>
 [[nodiscard, gnu::noinline]] ClosestCrossings first_crossings_one_by_one(const S& surface,
                                                                          const RayPacket& rays,
@@ -202,7 +207,7 @@ template <Surface S>
 }
 
 /// Returns first_crossing of the active rays of a packet. If the surface takes packets and the range does not
-/// start at 0, all rays are in doubt.
+/// start at 0, all of them are in doubt.
 template <Surface S>
 [[nodiscard]] ClosestCrossings first_crossings(const S& surface, const RayPacket& rays, LaneMask active,
                                                Interval range) {
@@ -251,12 +256,13 @@ class HitPacket {
  public:
   using Light = Colors;
 
-  Doubles t;
+  Doubles t;  ///< parameter of each ray at its hit
 
   HitPacket(const RayPacket& rays, Doubles at, LaneMask which, const S& surface, const Material& material,
             const Primitives& primitives = {})
       : t(at), rays_(rays), which_(which), surface_(surface), material_(material), primitives_(primitives) {}
 
+  /// Returns the points of the rays at t, at most at farthest_point.
   [[nodiscard]] Vectors point() const { return rays_.at(min(t, farthest_point)); }
 
   /// Returns the directions of the rays.
@@ -299,6 +305,7 @@ class HitPacket {
 
   [[nodiscard]] Colors color() const { return material_.texture ? texture() : Colors(material_.diffuse); }
 
+  /// Returns the rays in these directions that leave the surface at the hits, at the times of the hits.
   [[nodiscard]] RayPacket leave(const Vectors& direction) const {
     RayPacket rays = leaving(direction);
     rays.time = rays_.time;
