@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <numbers>
 #include <protostar/refraction.hpp>
+#include <protostar/vec3.hpp>
 #include <regex>
 #include <sstream>
 #include <string>
@@ -190,6 +191,33 @@ TEST_CASE("docs/stages/fresnel.md: how good Schlick's formula is for glass") {
   CHECK(largest_to_75 < 0.02);
   CHECK_THAT(page_in_one_line("stages/fresnel"),
              ContainsSubstring("never wrong by more than 0.036, at 85°, and by less than 0.02 up to 75°"));
+}
+
+TEST_CASE("docs/stages/09_shadow.md: the acne of the plain ray tracer, and why it has less of it") {
+  // From the ground, rays to the lamp as those of stages/plain/09_shadow.cpp with an epsilon of 0.
+  const Vec3 center{0, -1001, 3}, lamp{0, 3, 0};
+  int rays = 0, zeros = 0;
+  const auto root_near = [&](const Vec3& origin, const Vec3& direction, int sign) {
+    const Vec3 v = origin - center;
+    const double a = dot(direction, direction), b = 2 * dot(direction, v), c = dot(v, v) - 1e6;
+    return (-b + sign * std::sqrt(b * b - 4 * a * c)) / (2 * a);
+  };
+  for (int i = 0; i < 320 * 240; ++i) {
+    const double u = (2 * (i % 320 + 0.5) - 320) / 240, v = (240 - 2 * (i / 320 + 0.5)) / 240;
+    const Vec3 direction = normalize(Vec3{u, v, 1});
+    if (const double t = root_near(Vec3{0}, direction, -1); t > 0) {  // not a number for a ray that misses
+      const Vec3 point = t * direction;
+      ++rays;
+      zeros += root_near(point, normalize(lamp - point), 1) == 0 ? 1 : 0;
+    }
+  }
+  CHECK(rays > 30000);
+  CHECK(zeros > rays / 2);
+  const std::string page = page_in_one_line("stages/09_shadow");
+  CHECK_THAT(page, ContainsSubstring("On the ground, exactly 0 is what mostly comes out, and 0 is no hit."));
+  const std::string acne = page_in_one_line("mistakes"), pixels = "9068 of 76800 pixels";
+  CHECK_THAT(acne.substr(acne.find("<!-- mistake: acne -->"), 400), ContainsSubstring(pixels + " differ"));
+  CHECK_THAT(page, ContainsSubstring("[" + pixels + "](../mistakes.md#acne) go dark"));
 }
 
 TEST_CASE("pages say how long plain ray tracers are") {
