@@ -113,21 +113,43 @@ Light true_light(const PathWorkload& work) {
 /// Errors of pictures of one way with one number of samples.
 struct Error {
   double whole = 0;  ///< root of the mean squared error, over pixels and channels
-  double best = 0;   ///< the same over nine pixels in ten
+  double best = 0;   ///< the same over nine pixels in ten, which other pictures tell
+  double calm = 0;   ///< the same over nine pixels in ten of each picture, the best of its own
   double mean = 0;   ///< mean light of the pictures
 };
+
+/// Returns the mean squared error of the nine in ten pixels of a picture that are nearest to a long picture
+/// of the same way. It leaves out the few pixels that a rare bright path has met.
+double squares_of_calm(const Light& light, const Light& long_light) {
+  std::vector<double> squares;
+  for (std::size_t i = 0; i < light.size(); i += 3) {
+    const auto square = [&](std::size_t k) {
+      return (light[k] - long_light[k]) * (light[k] - long_light[k]);
+    };
+    squares.push_back((square(i) + square(i + 1) + square(i + 2)) / 3);
+  }
+  const auto end = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() * 9 / 10);
+  std::nth_element(squares.begin(), end, squares.end());
+  return std::accumulate(squares.begin(), end, 0.0) / static_cast<double>(end - squares.begin());
+}
 
 /// Returns the errors of a way. Pictures with different seeds know nothing of each other, so that their
 /// variance is the expected squared error of one of them, without bias and without a reference; it does not
 /// see an error that all of them have, which the mean light shows and the truth, if it is known. The best
 /// nine in ten pixels are those of the first half of the pictures, and the second half tells their error.
-Error error_of(const Way& way, int samples, int pictures, const Light& truth) {
+/// The calm pixels are those of a long picture, if there is one.
+Error error_of(const Way& way, int samples, int pictures, const Light& truth, const Light& long_light) {
   std::vector<Light> all;
   for (int i = 0; i < pictures; ++i) all.push_back(way.draw(samples, 1000 + static_cast<std::uint64_t>(i)));
   const std::size_t count = all.front().size();
   Error error;
-  for (const Light& light : all) error.mean += std::accumulate(light.begin(), light.end(), 0.0);
+  double calm = 0;
+  for (const Light& light : all) {
+    error.mean += std::accumulate(light.begin(), light.end(), 0.0);
+    if (!long_light.empty()) calm += squares_of_calm(light, long_light);
+  }
   error.mean /= static_cast<double>(count * all.size());
+  error.calm = std::sqrt(calm / static_cast<double>(all.size()));
 
   // The squared error of a pixel, from the pictures of a half.
   const std::size_t half = all.size() / 2;
@@ -180,7 +202,8 @@ Line line_to_level(int few, double error_of_few, int many, double error_of_many)
 }
 
 void measure(const bench::Options& options, const PathWorkload& work, const std::vector<Way>& ways) {
-  const int last = options.quick ? 4 : 64, pictures = options.quick ? 4 : 8;
+  const int last = options.quick ? 4 : 64, pictures = options.quick ? 4 : 8,
+            many = options.quick ? 64 : 1 << 13;
   const Light truth = work.truth ? true_light(work) : Light{};
 
   std::vector<Work> works;
@@ -192,30 +215,35 @@ void measure(const bench::Options& options, const PathWorkload& work, const std:
   for (int samples = 1; samples <= last; samples *= 4) columns.push_back("RMSE " + std::to_string(samples));
   columns.insert(columns.end(), {"slope", "90 %", "mean", "ns/sample", "rays", "ns/ray", "s to 1/255",
                                  "ratio", "ratio 90 %", "ratio ray"});
+  if (work.has_rare_light) columns.insert(columns.end(), {"calm 90 %", "ratio calm 90 %"});
   Table table(options, columns);
   const double all = static_cast<double>(work.width) * work.height;
-  double first_time = 0, first_best = 0, first_ray = 0;
+  double first_time = 0, first_best = 0, first_calm = 0, first_ray = 0;
   Error first;
   for (std::size_t i = 0; i < ways.size(); ++i) {
     Table::Cells cells = {ways[i].name};
+    const Light long_light = work.has_rare_light ? ways[i].draw(many, 1) : Light{};
     Error before, error;
     for (int samples = 1; samples <= last; samples *= 4) {
       before = error;
-      error = error_of(ways[i], samples, pictures, truth);
+      error = error_of(ways[i], samples, pictures, truth, long_light);
       cells.push_back(number(error.whole, 3));
     }
     if (i == 0) first = error;
     require_same_mean(ways[i].name, error, first, all * pictures);
     const Line whole = line_to_level(last / 4, before.whole, last, error.whole),
-               best = line_to_level(last / 4, before.best, last, error.best);
+               best = line_to_level(last / 4, before.best, last, error.best),
+               calm = line_to_level(last / 4, before.calm, last, error.calm);
     const double sample = times.ratio(i, 0) * times.seconds(0) / all / timed;
     const double rays = ways[i].rays(timed) / all / timed;
-    const double time = whole.samples * sample * all, best_time = best.samples * sample * all;
-    if (i == 0) first_time = time, first_best = best_time, first_ray = sample / rays;
+    const double time = whole.samples * sample * all, best_time = best.samples * sample * all,
+                 calm_time = calm.samples * sample * all;
+    if (i == 0) first_time = time, first_best = best_time, first_calm = calm_time, first_ray = sample / rays;
     cells.insert(cells.end(),
                  {number(whole.slope, 2), number(error.best), number(error.mean, 5), number(1e9 * sample),
                   number(rays), number(1e9 * sample / rays), number(time), number(time / first_time),
                   number(best_time / first_best), number(sample / rays / first_ray)});
+    if (work.has_rare_light) cells.insert(cells.end(), {number(error.calm), number(calm_time / first_calm)});
     table.row(cells);
   }
 }

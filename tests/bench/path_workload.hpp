@@ -37,6 +37,9 @@ struct PathWorkload {
 
   /// The true light along a ray, if it is known.
   std::function<protostar::Color(const protostar::Ray&)> truth = {};
+
+  /// True if a few paths bring much of the light, such as through glass to a lamp.
+  bool has_rare_light = false;
 };
 
 /// Returns the weekend scene with mirrors in place of metal: blurred mirrors of the two ways have different
@@ -46,7 +49,13 @@ inline PathWorkload weekend_workload() {
 }
 
 inline PathWorkload cornell_workload() {
-  return {"Cornell box", 50, 50, camera_of_cornell_box(), cornell_box(), 50};
+  return {.name = "Cornell box",
+          .width = 50,
+          .height = 50,
+          .camera = camera_of_cornell_box(),
+          .scene = cornell_box(),
+          .depth = 50,
+          .has_rare_light = true};
 }
 
 /// Returns the inside of a sphere whose color is a texture, and which shines. All points of it light each
