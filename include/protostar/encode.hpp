@@ -132,8 +132,8 @@ class Encoder {
   /// mispredicted half of the time.
   [[nodiscard]] std::uint16_t searched(const Bin& bin, float light) const {
     std::size_t begin = bin.below;
-    for (std::size_t left = bin.inside; left > 0; left /= 2) {
-      const std::size_t half = (left + 1) / 2;
+    for (std::size_t remaining = bin.inside; remaining > 0; remaining /= 2) {
+      const std::size_t half = (remaining + 1) / 2;
       begin += thresholds_[begin + half - 1] <= light ? half : 0;
     }
     return static_cast<std::uint16_t>(begin);

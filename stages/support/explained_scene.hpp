@@ -97,7 +97,7 @@ class ExplainedScene {
         crossings;
     std::function<Facts(const protostar::Ray&, protostar::Interval, bool is_first)> equation;
     std::function<protostar::SurfaceCrossing(const protostar::Crossing&)> on;
-    std::function<Facts(int part)> primitive;
+    std::function<Facts(int primitive)> primitive;
   };
 
   template <class T>
@@ -146,7 +146,7 @@ void ExplainedScene::add(const protostar::SceneVector<T>& surfaces,
                return equation_of(surface, ray);
              },
          .on = [&](const protostar::Crossing& one) { return protostar::crossing_on(surface, one, material); },
-         .primitive = [&](int part) { return primitive_of(surface, part); }});
+         .primitive = [&](int primitive) { return primitive_of(surface, primitive); }});
     facts_.push_back(facts_of(surface));
     bounds_.push_back(protostar::bounds_of(surface));
   }

@@ -318,11 +318,11 @@ Facts equation_of(const Parallelogram& s, const Ray& ray) {
 }
 Facts equation_of(const Mesh&, const Ray&) { return {.type = "mesh"}; }
 
-Facts primitive_of(const AnySurface& surface, int part) {
-  return with_held(surface, [&](const auto& held) { return primitive_of(held, part); }, {});
+Facts primitive_of(const AnySurface& surface, int primitive) {
+  return with_held(surface, [&](const auto& held) { return primitive_of(held, primitive); }, {});
 }
-Facts primitive_of(const Mesh& mesh, int part) {
-  const auto i = static_cast<std::size_t>(part);
+Facts primitive_of(const Mesh& mesh, int primitive) {
+  const auto i = static_cast<std::size_t>(primitive);
   Facts facts = facts_of(mesh.data().triangle(i));
   const auto& [a, b, c] = mesh.data().triangles[i];
   for (const auto& [name, vertex] : {std::pair{"a", a}, {"b", b}, {"c", c}}) {

@@ -41,10 +41,10 @@ inline Facts equation_of(const auto&, const protostar::Ray&) { return {.type = "
 Facts march_of(const protostar::AnySurface& surface, const protostar::Ray& ray, protostar::Interval range);
 
 /// Returns the numbers of the primitive of a surface that a ray hits: the triangle of a mesh, with the
-/// normals and the texture coordinates of its vertices if it has some; nothing for surfaces whose parts are
-/// told by facts_of.
-Facts primitive_of(const protostar::AnySurface& surface, int part);
-Facts primitive_of(const protostar::Mesh& surface, int part);
+/// normals and the texture coordinates of its vertices if it has some; nothing for surfaces whose
+/// primitives are told by facts_of.
+Facts primitive_of(const protostar::AnySurface& surface, int primitive);
+Facts primitive_of(const protostar::Mesh& surface, int primitive);
 inline Facts primitive_of(const auto&, int) { return {}; }
 
 /// Returns how the radiance of an environment at u and v follows: for an image, its file and size, the four

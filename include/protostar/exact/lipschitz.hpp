@@ -347,7 +347,7 @@ struct FieldBound {
   };
   std::vector<Part> parts{part(box, {})};  // a heap
   double seen = 0;                         // a constant that some point needs
-  for (int left = evaluations - 1; left >= 3; left -= 3) {
+  for (int remaining = evaluations - 1; remaining >= 3; remaining -= 3) {
     const Part worst = parts.front();
     const Vec3 size = worst.box.max - worst.box.min;
     const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;

@@ -181,12 +181,12 @@ class Marched<F> {
   /// closed.
   [[nodiscard]] bool is_solid() const {
     const Bounds& box = setup_.inside;
-    int left = most_face_evaluations;
+    int remaining = most_face_evaluations;
     for (int axis = 0; axis < 3; ++axis)
       for (const double side : {box.min[axis], box.max[axis]}) {
         Bounds face = box;
         face.min[axis] = face.max[axis] = side;
-        if (!is_positive_over(face, left)) return false;
+        if (!is_positive_over(face, remaining)) return false;
       }
     return true;
   }
@@ -255,9 +255,9 @@ class Marched<F> {
   /// the time for a field that comes near to 0 on a face.
   static constexpr int most_face_evaluations = 1 << 16;
 
-  /// Tests whether F > 0 all over a part of a face, by halves; `left` counts the evaluations that are left.
-  [[nodiscard]] bool is_positive_over(const Bounds& part, int& left) const {
-    if (--left < 0) return false;
+  /// Tests whether F > 0 all over a part of a face, by halves, in at most `remaining` evaluations.
+  [[nodiscard]] bool is_positive_over(const Bounds& part, int& remaining) const {
+    if (--remaining < 0) return false;
     using E = Enclosure<double>;
     const auto over = [&](int k) { return E{part.min[k], part.max[k]}; };
     const E values = field_(FieldPoint<E>{over(0), over(1), over(2)});
@@ -271,7 +271,7 @@ class Marched<F> {
     if (!(part.min[axis] < middle[axis] && middle[axis] < part.max[axis])) return false;
     Bounds low = part, high = part;
     low.max[axis] = high.min[axis] = middle[axis];
-    return is_positive_over(low, left) && is_positive_over(high, left);
+    return is_positive_over(low, remaining) && is_positive_over(high, remaining);
   }
 
   F field_;

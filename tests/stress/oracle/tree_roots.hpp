@@ -165,7 +165,7 @@ inline Roots roots(const protostar::Ray& ray, const Placed<Made>& placed, const 
   });
 }
 
-/// Returns the part of a tree that has the departure of a ray, −1 if none.
+/// Returns the primitive of a tree that has the departure of a ray, −1 if none.
 inline int own_primitive(const Made& made, const protostar::Departure& left) {
   for (int primitive = 0; primitive < made.primitive_count(); ++primitive) {
     const protostar::Departure of_primitive = made.departure(primitive);
