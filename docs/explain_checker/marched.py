@@ -40,12 +40,13 @@ class Marched:
         return Departure("object", None, self, part)
 
     def span(self, line):
-        """Returns the part of the line inside the box of the field; its ends are not in order if there is none."""
+        """Returns the ends of the part of the line inside the box of the field, not in order if it goes beside the box; or
+        None for one that goes along a face outside."""
         low, high = None, None
         for a, b, o, d in zip(*self.ends, line.origin, line.direction):
             if d == 0:
                 if not a <= o <= b:
-                    return 1, 0
+                    return None
                 continue
             first, second = sorted(((a - o) / d, (b - o) / d))
             low = first if low is None else max(low, first)
@@ -56,19 +57,20 @@ class Marched:
         """Checks the steps of a march: that they cover the ray in the box without a gap, up to a crossing in the range
         or to the end of both, and each by the numbers that prove it. Returns the enclosures of the last crossing in
         the range."""
-        low, high = self.span(line)
+        low, high = self.span(line) or (None, None)
         leaves = line.left is not None and line.left.owner is self
-        if low >= high or high <= 0:
-            if len(steps):
-                raise Wrong(steps.at(f"has {len(steps)} steps, and the ray misses the box of the field"))
+        # Ends of the box are rounded: from far away, the march may be of a part of the line that is empty.
+        near = max(abs(low), abs(high), *sizes(line.origin)) / 2**40 if low is not None else 0
+        is_empty = low is None or low >= high or high <= 0
+        if is_empty and not len(steps):
             return []
+        if low is None or low - near >= high + near or high + near <= 0:
+            raise Wrong(steps.at(f"has {len(steps)} steps, and the ray misses the box of the field"))
         d, slack = length(line.direction), 1 + Fraction(1, 2**30)
         # The bound of the error of a value on this line (docs/numerics.md); twice that for the difference of two.
         error = self.lipschitz * U * (2 * length(line.origin) + 6 * max(abs(low), abs(high)) * d) + self.error
         error, reach = error * slack * (2 if leaves else 1), 1 / (self.lipschitz * d)
         at, found = Fraction(0) if leaves else max(low, Fraction(0)), []
-        # Ends of the box are rounded.
-        near = max(abs(low), abs(high), *sizes(line.origin)) / 2**40
         along = FieldAlong(self.field, line, leaves) if self.field else None
         known = None  # lower bound of the field at `at`, from the last step
         for i, step in enumerate(steps):
