@@ -101,8 +101,9 @@ TEST_CASE("a wrong field is reported with its place, what was found and what is 
           {field_error(R"({"type": "box", "size": 1})"),
            "/field/size: 1 is not an array of three numbers greater than 0"},
           {field_error(R"({"type": "rounded-box", "size": [1, 1, 1], "radius": 0.75})"),
-           "/field/radius: 0.75 is not possible: fields::RoundedBox: radius must be above 0, and at most "
-           "half the shortest side; it is 0.75"},
+           "/field/radius: 0.75 is not possible: fields::RoundedBox: radius must be at most half the "
+           "shortest side; "
+           "it is 0.75"},
           {field_error(R"({"type": "horn", "end": 1, "thickness": 0.1})"),
            "/field/end: 1 is not a number greater than 1, where the mouth of the horn is"},
           {field_error(R"({"type": "sponge", "size": 1, "levels": 13})"),

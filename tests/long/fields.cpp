@@ -473,10 +473,23 @@ TEST_CASE("a shape that is not valid is refused") {
         "fields::Sphere: radius must be from 2^-400 (3.9e-121) to 2^400 (2.6e120); it is 0");
   CHECK(error_of([] {
           return fields::RoundedBox{{1, 1, 1}, 0.75};
-        }) == "fields::RoundedBox: radius must be above 0, and at most half the shortest side; it is 0.75");
+        }) == "fields::RoundedBox: radius must be at most half the shortest side; it is 0.75");
   CHECK(error_of([] {
           return fields::GabrielsHorn{1, 0.1};
         }) == "fields::GabrielsHorn: end must be above 1, where the mouth is; it is 1");
+  const std::string sizes = " must be from 2^-400 (3.9e-121) to 2^400 (2.6e120); it is ";
+  CHECK(error_of([] {
+          return fields::RoundedBox{{1, 1, 1}, 0x1p-401};
+        }) == "fields::RoundedBox: radius" + sizes + "1.93629596e-121");
+  CHECK(error_of([] {
+          return fields::GabrielsHorn{0x1p401, 0.1};
+        }) == "fields::GabrielsHorn: end" + sizes + "5.16449976e+120");
+  CHECK(error_of([] {
+          return fields::Metaballs{{{Point(0), 1}}, 0x1p-401};
+        }) == "fields::Metaballs: sharpness" + sizes + "1.93629596e-121");
+  CHECK(error_of([] {
+          return fields::Metaballs{{{Point(0), 1}}, 101};
+        }) == "fields::Metaballs: sharpness must be at most 100; it is 101");
   CHECK(error_of([] {
           return fields::MengerSponge{1, 13};
         }) == "fields::MengerSponge: levels must be from 0 to 12; it is 13");

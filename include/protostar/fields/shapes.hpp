@@ -88,9 +88,9 @@ struct RoundedBox {
   [[nodiscard]] Bounds bounds(double level = 0) const { return Box{size}.bounds(level); }
   void validate() const {
     Box{size}.validate();
-    if (!(is_size(radius) && 2 * radius <= size.x && 2 * radius <= size.y && 2 * radius <= size.z))
-      detail::refuse_found("fields::RoundedBox: radius must be above 0, and at most half the shortest side",
-                           radius);
+    require_size(radius, "fields::RoundedBox: radius must be");
+    if (!(2 * radius <= size.x && 2 * radius <= size.y && 2 * radius <= size.z))
+      detail::refuse_found("fields::RoundedBox: radius must be at most half the shortest side", radius);
   }
 };
 
@@ -233,7 +233,8 @@ struct GabrielsHorn {
     return {Point(1 - level, -widest, -widest), Point(end + level, widest, widest)};
   }
   void validate() const {
-    if (!(end > 1 && is_size(end)))
+    require_size(end, "fields::GabrielsHorn: end must be");
+    if (!(end > 1))
       detail::refuse_found("fields::GabrielsHorn: end must be above 1, where the mouth is", end);
     require_size(thickness, "fields::GabrielsHorn: thickness must be");
   }
@@ -301,7 +302,7 @@ struct Metaballs {
     double radius = 1;
   };
   std::vector<Ball> balls;
-  double sharpness = 2;  ///< above 0, and at most most_sharpness
+  double sharpness = 2;  ///< at most most_sharpness
 
   static constexpr double most_sharpness = 100;
 
@@ -337,8 +338,9 @@ struct Metaballs {
       require_coordinate(ball.center, "fields::Metaballs: each number of a center must be");
       require_size(ball.radius, "fields::Metaballs: each radius must be");
     }
-    if (!(is_size(sharpness) && sharpness <= most_sharpness))
-      detail::refuse_found("fields::Metaballs: sharpness must be above 0 and at most 100", sharpness);
+    require_size(sharpness, "fields::Metaballs: sharpness must be");
+    if (!(sharpness <= most_sharpness))
+      detail::refuse_found("fields::Metaballs: sharpness must be at most 100", sharpness);
   }
 
  private:
