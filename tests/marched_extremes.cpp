@@ -205,6 +205,13 @@ TEST_CASE("a continuous field whose Lipschitz constant is below the range of dou
   CHECK_NOTHROW(Marched{flat(1e-200), cube_bounds(0x1p398)});
   const auto small = [](const auto& p) { return length(p * 1e-170) * 1e170 - 1.0; };
   CHECK(lipschitz_bound(small, cube_bounds(1), 1).lipschitz >= 1);
+  // 1/(x + 4) − 1/4, which has the slope −1/9 at x = −1.
+  const auto ratio = [](const auto& p) { return 0x1p-1074 / ((p.x + 4.0) * 0x1p-400) * 0x1p674 - 0.25; };
+  CHECK(lipschitz_bound(ratio, cube_bounds(1), 1).lipschitz >= 1.0 / 9);
+  CHECK_NOTHROW(Marched{ratio, cube_bounds(1)});
+  // −(k − 2^-539 |x|)²/4k, less 2^-540 |x|, has the second derivative −2^-1078/2k.
+  const auto joined = [](const auto& p) { return smooth_min(p.x * 0x1p-540, p.x * -0x1p-540, 0x1p-400); };
+  CHECK(lipschitz_bound(joined, cube_bounds(1), 1).curvature.lower <= -0x1p-679);
 }
 
 TEST_CASE("bounds that are too far apart are refused with the difference that is allowed") {

@@ -78,7 +78,8 @@ class Variation {
   }
 
   /// Returns the quotient r = a/b. With errors e of a and f of b, a'/b' is off by (e + |r| f) / (|b| − f).
-  /// The product rule for a = r b gives its second derivatives.
+  /// The product rule for a = r b gives its second derivatives. Divided by a small number, what a product
+  /// loses by underflow, up to 2^-1075, is no longer small: `lost` is added before.
   friend Variation operator/(const Variation& a, const Variation& b) {
     const double least = abs(b.value).lower - b.error;
     if (!(least > 0)) return unknown();
@@ -89,8 +90,8 @@ class Variation {
         (Values(1.0) / b.value) * (a.curvature - Curvature::of_product(ratio.gradient, b.gradient)) +
         -(ratio.value / b.value) * b.curvature;
     const double size = ratio.value.magnitude();
-    ratio.set_lipschitz((a.lipschitz + times(size, b.lipschitz)) / least);
-    ratio.set_error((a.error + times(size, b.error)) / least + tiny, ratio.value);
+    ratio.set_lipschitz((a.lipschitz + times(size, b.lipschitz) + lost) / least);
+    ratio.set_error((a.error + times(size, b.error) + lost) / least + tiny, ratio.value);
     return ratio;
   }
 
@@ -161,7 +162,8 @@ class Variation {
     for (int i = 0; i < 3; ++i)
       mixed.gradient[i] = common(mixed.gradient[i], b.gradient[i] + weight * (a.gradient[i] - b.gradient[i]));
     mixed.curvature = mixed.curvature.widened(
-        larger_by_rounding * times(a.lipschitz + b.lipschitz, a.lipschitz + b.lipschitz) / (2 * k), 0);
+        larger_by_rounding * (times(a.lipschitz + b.lipschitz, a.lipschitz + b.lipschitz) + lost) / (2 * k),
+        0);
     if (weight.lower >= 1) mixed.lipschitz = a.lipschitz;
     if (weight.upper <= 0) mixed.lipschitz = b.lipschitz;
     mixed.set_lipschitz(mixed.lipschitz);
@@ -241,6 +243,7 @@ class Variation {
  private:
   static constexpr double u = 0x1p-53;
   static constexpr double tiny = 0x1p-1000;  ///< exceeds all underflow of a few operations
+  static constexpr double lost = 0x1p-1074;  ///< exceeds the underflow of one product
 
   /// Exceeds the relative error of a bound, which is computed by fewer than 16 roundings, of sums of numbers
   /// that are not negative, products and roots.
