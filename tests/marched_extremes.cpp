@@ -130,6 +130,39 @@ TEST_CASE("the length of a direction does not change the answer of a march, but 
   }
 }
 
+TEST_CASE("a ray beside the bounds misses, along a face and also if it leads to or from it ever so slowly") {
+  const Bounds bounds{Point(-1), Point(1)};
+  const Marched marched{[](const auto& p) { return p.x; }, bounds};
+  const Marched plain{[](const Point& p) { return p.x; }, bounds, 1.0};
+  const Instance instance(marched, Affine{}.moved_by({0, 0, 0.5}));
+  const auto are_hit = [&](const Ray& ray) {
+    const bool is_hit = marched.intersect(ray).has_value();
+    CHECK(plain.intersect(ray).has_value() == is_hit);
+    CHECK(instance.intersect(ray).has_value() == is_hit);
+    return is_hit;
+  };
+  for (const double slow : {0.0, 0x1p-1074, 0x1p-1030, 0x1p-1022, 0x1p-1000})
+    for (const double sign : {-1, 1}) {
+      CAPTURE(slow, sign);
+      CHECK_FALSE(are_hit({.origin = {-2, 4, 0}, .direction = {1, sign * slow, 0}}));
+      CHECK_FALSE(are_hit({.origin = {-2, -4, 0}, .direction = {1, sign * slow, 0}}));
+      CHECK_FALSE(are_hit({.origin = {-2, 0, 4}, .direction = {1, 0, sign * slow}}));
+      CHECK_FALSE(are_hit({.origin = {-2, 1.25, -4}, .direction = {1, sign * slow, slow}}));
+      CHECK(are_hit({.origin = {-2, 1, 0}, .direction = {1, sign * slow, 0}}));
+      CHECK(are_hit({.origin = {-2, -1, 0.25}, .direction = {1, sign * slow, slow}}));
+    }
+}
+
+TEST_CASE("a ray from the border of the range of double is not missed") {
+  const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
+  for (const int exponent : {0, 101, 200, 700, 1023}) {
+    CAPTURE(exponent);
+    const auto before = fallbacks.undecided;
+    CHECK(marched.intersect({.origin = {-0x1.8p1023, 0, 0}, .direction = {std::ldexp(1, exponent), 0, 0}}));
+    CHECK(fallbacks.undecided > before);
+  }
+}
+
 TEST_CASE("packets of rays from far away, and of any length, march as each ray alone") {
   const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
   Random random(13);

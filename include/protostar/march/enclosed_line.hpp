@@ -24,7 +24,8 @@ struct ModerateLine : RoundedLine {
   /// 2^-1075, for which 2^-1060 stands.
   explicit ModerateLine(const Ray& ray) : RoundedLine(rounded_line(ray)) {
     if (is_of_moderate_size(direction)) return;
-    unit = power_of_two(-std::clamp(exponent_of({direction}), -1000, 1000));
+    // The largest component comes to [1, 2), so that t is at most as large as the coordinates.
+    unit = power_of_two(std::clamp(1 - exponent_of({direction}), -1000, 1000));
     for (int k = 0; k < 3; ++k) {
       const double given = direction[k], error = direction_error[k];
       direction[k] *= unit;
@@ -80,21 +81,24 @@ struct EnclosedLine {
   return result;
 }
 
-/// Returns the parameters of a line inside a box, rounded outward.
+/// Returns the parameters of a line inside a box, rounded outward by less than two last places. There are
+/// none for a line beside the box that goes along its faces, or comes to it beyond the range of double.
 [[nodiscard, gnu::noinline, gnu::cold]] inline Interval inside_of(const Bounds& box,
                                                                   const EnclosedLine<DoubleDouble>& line) {
   constexpr double most = std::numeric_limits<double>::max();
   Interval span{-most, most};
   for (int k = 0; k < 3; ++k) {
     using E = Enclosure<DoubleDouble>;
-    const E to_min = E(box.min[k]) - line.origin[k], to_max = E(box.max[k]) - line.origin[k];
-    if (line.direction[k].contains(DoubleDouble(0.0))) {  // it is 0, or underflows
-      if (to_min.lower.hi > 0 || to_max.upper.hi < 0) return {infinity, -infinity};
-      continue;
-    }
-    const E t = hull(to_min / line.direction[k], to_max / line.direction[k]);
-    span.min = std::max(span.min, std::nextafter(t.lower.hi, -infinity));
-    span.max = std::min(span.max, std::nextafter(t.upper.hi, infinity));
+    // They are sixteenths, so that a sum of four quotients overflows for no t in the range of double.
+    const E to_min = (E(box.min[k]) - line.origin[k]) * 0x1p-4,
+            to_max = (E(box.max[k]) - line.origin[k]) * 0x1p-4;
+    // A quotient is all numbers if the direction is 0, or underflows, or t overflows.
+    const E at_min = to_min / line.direction[k], at_max = to_max / line.direction[k];
+    const E at = hull(at_min, at_max);
+    if (to_min.lower.hi > 0 && !rounding::is_known(at_min.lower)) return {infinity, -infinity};
+    if (to_max.upper.hi < 0 && !rounding::is_known(at_max.lower)) return {infinity, -infinity};
+    span.min = std::max(span.min, std::nextafter(16 * at.lower.hi, -infinity));
+    span.max = std::min(span.max, std::nextafter(16 * at.upper.hi, infinity));
   }
   return span;
 }

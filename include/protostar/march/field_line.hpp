@@ -86,20 +86,22 @@ struct PointError {
 /// Returns the length of a vector, by operations that are rounded alike everywhere.
 [[nodiscard]] inline double norm(const Vec3& v) { return std::sqrt(dot(v, v)); }
 
-/// Line of a ray, and the part of it inside a box that is larger by a margin than the part that counts.
+/// Line of a ray, and the part of it inside a box that is larger than the bounds of a field by a margin.
 struct LineInBox : ModerateLine {
   Interval span;  ///< empty if its ends are not in order
   double o = norm(origin), d = norm(direction), d_error = norm(direction_error);
   PointError<double> points;
 
   /// Where points in double may come out beyond the margin, as from far away, the ends of the span are
-  /// enclosed. A line without errors misses a box whose face it is beside.
+  /// enclosed. A line without errors misses a box if it is beside it all along, or up to where t, forward or
+  /// backward, exceeds the range of double.
   LineInBox(const Ray& ray, const Bounds& box, double margin)
       : ModerateLine(ray),
         span(span_of(box)),
         points(margin, o, d, largest_t(), norm(origin_error), d_error) {
-    const bool is_beside = span.min == infinity && ray.transform == nullptr;
-    if (!points.is_known && !is_beside) span = inside_of(box, enclosed_exact_line(ray, *this, unit));
+    const bool is_beside = span.min == infinity || span.max == -infinity;
+    if (!points.is_known && !(is_beside && ray.transform == nullptr))
+      span = inside_of(box, enclosed_exact_line(ray, *this, unit));
   }
 
   /// Returns the largest |t| on the span.

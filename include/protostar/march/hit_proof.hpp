@@ -26,7 +26,7 @@ struct MarchedRoot {
   double min = 0, max = 0;
 
   /// Returns the middle of the enclosure, which has the sign of the root.
-  [[nodiscard]] double t() const { return 0.5 * (min + max); }
+  [[nodiscard]] double t() const { return 0.5 * min + 0.5 * max; }
 };
 
 namespace detail {
