@@ -265,9 +265,7 @@ class Marched<F> {
     if (values.upper < 0) return false;
     const Point middle = 0.5 * (part.min + part.max);
     const Vec3 size = part.max - part.min;
-    int axis = 0;
-    for (int k = 1; k < 3; ++k)
-      if (size[k] > size[axis]) axis = k;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
     if (!(part.min[axis] < middle[axis] && middle[axis] < part.max[axis])) return false;
     Bounds low = part, high = part;
     low.max[axis] = high.min[axis] = middle[axis];
