@@ -163,6 +163,19 @@ TEST_CASE("a ray from the border of the range of double is not missed") {
   }
 }
 
+TEST_CASE("from far away points count no farther beyond the bounds than two last places of t") {
+  for (int exponent = 30; exponent <= 60; ++exponent) {
+    const double far = std::ldexp(1, exponent), last_place = std::ldexp(1, exponent - 52);
+    const double beyond = std::max(0x1p-9, 2 * last_place);
+    for (const double x : {4 - 2 * beyond, 4.0, 5.0, 6.0, 6 + 2 * beyond}) {
+      CAPTURE(exponent, x);
+      const Marched marched{[x](const auto& p) { return p.x - x; }, Bounds{Point(4), Point(6)}};
+      const auto t = marched.intersect({.origin = {-far, 5, 5}, .direction = {1, 0, 0}});
+      CHECK(t.has_value() == (4 <= x && x <= 6));
+    }
+  }
+}
+
 TEST_CASE("packets of rays from far away, and of any length, march as each ray alone") {
   const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
   Random random(13);

@@ -72,12 +72,13 @@ struct PointError {
   R off;
   decltype(R() < R()) is_known;  ///< true if points in double may be relied upon
 
-  /// Takes the margin by which the box of a field is larger than the part that counts.
+  /// Takes the margin by which the box of a field is larger than its bounds, in which points surely count.
   ///
-  /// Points farther off are too far: the set-up of a field says nothing of those beyond its margin. Otherwise
-  /// the line inside the box, by span_inside, contains what is in the part that counts: an end of it, at a
-  /// face, is rounded by 2u |t·d|, a sixth of the margin, and a line that is outside there by a quarter of
-  /// the margin or more does not turn back, since its direction is off by 2^-20 of itself at most.
+  /// Points that are off by half the margin are too far: the set-up of a field says nothing of those beyond
+  /// its margin. Otherwise the line inside the box, by span_inside, contains what is in the bounds: an end of
+  /// it, at a face, is rounded by 2u |t·d|, and 6u T|d| is in `off`, so that this is a sixth of the margin at
+  /// most; and a line that is outside there by a quarter of the margin or more does not turn back, since its
+  /// direction is off by 2^-20 of itself at most.
   PointError(double margin, const R& o, const R& d, const R& T, const R& o_error, const R& d_error)
       : off(R(0x1p-53) * (R(2) * o + R(6) * T * d) + R(2) * (o_error + T * d_error)),
         is_known(off < R(margin / 2) && d_error < R(0x1p-20) * d) {}

@@ -30,8 +30,9 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 };
 
 /// Surface of a field: the points inside the bounds where the field is 0. The inside is the points where it
-/// is below 0. It is made of the field and the bounds: `Marched{field, Bounds{...}}`. Points up to 2^-10 of
-/// the largest side beyond them count as well, so that a surface in a face of the bounds is seen.
+/// is below 0. It is made of the field and the bounds: `Marched{field, Bounds{...}}`. Points in the bounds
+/// surely count, also in a face of them. Points beyond them may, up to 2^-10 of the largest side, or as far
+/// as two last places of t go if that is more, as from 2^42 sides away.
 ///
 /// A DistanceField is a generic function of a point, as [](const auto& p) { return length(p) - 1.0; }. From
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
@@ -64,7 +65,7 @@ class Marched<F> {
   /// bounded slope or value in them, or is found to jump.
   Marched(F field, const Bounds& bounds, int evaluations = usual_evaluations) : field_(std::move(field)) {
     validate_each(field_);
-    // Points of rays may come out beyond the part that counts by as much again.
+    // Points of rays may come out beyond that by as much again.
     setup_.margin = 0x1p-10 * detail::largest_side(bounds);
     setup_.inside = detail::widened(bounds, setup_.margin);
     setup_.bound = lipschitz_bound(field_, detail::widened(setup_.inside, setup_.margin), evaluations);
