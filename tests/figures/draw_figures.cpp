@@ -75,6 +75,7 @@ int draw(const std::string& folder, bool checks) {
                           {"kernels", figures::kernels(folder)},
                           {"samplers", figures::samplers(folder)},
                           {"paths", figures::paths(folder)},
+                          {"marches", figures::marches(folder)},
                           {"shaders", figures::shaders(folder)}};
   int differ = 0;
   for (const figures::StageFigure& figure : stage_figures()) {

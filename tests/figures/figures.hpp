@@ -27,6 +27,7 @@ std::string error(const std::string& folder);
 std::string kernels(const std::string& folder);
 std::string samplers(const std::string& folder);
 std::string paths(const std::string& folder);
+std::string marches(const std::string& folder);
 std::string shaders(const std::string& folder);
 
 // Figures of the stages' pages.

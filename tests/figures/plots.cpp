@@ -203,6 +203,35 @@ std::string paths(const std::string& folder) {
   return chart.drawn();
 }
 
+std::string marches(const std::string& folder) {
+  const CsvTable table = read_csv(folder + "/marching.csv").at(0);
+  LineChart chart{.title = "Error of hits of a torus against the time of a ray",
+                  .to_the_right = "time of a ray, nanoseconds",
+                  .upwards = "mean error of t",
+                  .ticks_right = {100, 1000},
+                  .ticks_up = {1e-16, 1e-12, 1e-8, 1e-4, 1},
+                  .series = {},
+                  .has_legend = true};
+  struct Way {
+    std::string name;
+    std::vector<std::string> settings;
+    Paint paint;
+  };
+  const std::vector<Way> ways{{"enhanced", {" 0.001", " 0.0001", " 1e-05", " 1e-06"}, Paint::orange},
+                              {"sphere tracing", {" 0.001", " 0.0001", " 1e-05", " 1e-06"}, Paint::orange},
+                              {"fixed step", {" 0.1", " 0.01"}, Paint::red},
+                              {"certified", {""}, Paint::blue}};
+  for (const Way& way : ways) {
+    std::vector<Place> points;
+    for (const std::string& setting : way.settings)
+      for (std::size_t i = 0; i < table.size(); ++i)
+        if (table.name(i) == "torus, " + way.name + setting)
+          points.push_back({table.number(i, "ns/ray"), table.number(i, "error of t")});
+    chart.series.push_back({way.name, points, way.paint});
+  }
+  return chart.drawn();
+}
+
 std::string kernels(const std::string& folder) {
   BarChart chart{.title = "Ray and sphere: wrong decisions in a million hard cases",
                  .axis = "wrong decisions; beside the name, ns for a test",
