@@ -217,8 +217,7 @@ std::string marches(const std::string& folder) {
     std::vector<std::string> settings;
     Paint paint;
   };
-  const std::vector<Way> ways{{"enhanced", {" 0.001", " 0.0001", " 1e-05", " 1e-06"}, Paint::orange},
-                              {"sphere tracing", {" 0.001", " 0.0001", " 1e-05", " 1e-06"}, Paint::orange},
+  const std::vector<Way> ways{{"sphere tracing", {" 0.001", " 0.0001", " 1e-05", " 1e-06"}, Paint::orange},
                               {"fixed step", {" 0.1", " 0.01"}, Paint::red},
                               {"certified", {""}, Paint::blue}};
   for (const Way& way : ways) {
