@@ -141,13 +141,15 @@ TEST_CASE("a ray beside the bounds misses, along a face and also if it leads to 
     CHECK(instance.intersect(ray).has_value() == is_hit);
     return is_hit;
   };
-  for (const double slow : {0.0, 0x1p-1074, 0x1p-1030, 0x1p-1022, 0x1p-1000})
+  for (const double slow : {0.0, 0x1p-1074, 0x1p-1030, 0x1p-1025, 0x1p-1022, 0x1p-1000})
     for (const double sign : {-1, 1}) {
       CAPTURE(slow, sign);
       CHECK_FALSE(are_hit({.origin = {-2, 4, 0}, .direction = {1, sign * slow, 0}}));
       CHECK_FALSE(are_hit({.origin = {-2, -4, 0}, .direction = {1, sign * slow, 0}}));
       CHECK_FALSE(are_hit({.origin = {-2, 0, 4}, .direction = {1, 0, sign * slow}}));
       CHECK_FALSE(are_hit({.origin = {-2, 1.25, -4}, .direction = {1, sign * slow, slow}}));
+      CHECK_FALSE(are_hit({.origin = {-2, 1.25, 0}, .direction = {1, sign * slow, 0}}));
+      CHECK_FALSE(are_hit({.origin = {-2, -1.25, 0}, .direction = {1, sign * slow, 0}}));
       CHECK(are_hit({.origin = {-2, 1, 0}, .direction = {1, sign * slow, 0}}));
       CHECK(are_hit({.origin = {-2, -1, 0.25}, .direction = {1, sign * slow, slow}}));
     }
@@ -163,11 +165,20 @@ TEST_CASE("a ray from the border of the range of double is not missed") {
   }
 }
 
-TEST_CASE("from far away points count no farther beyond the bounds than two last places of t") {
+TEST_CASE("a hit at the smallest t above 0 is found") {
+  const Marched marched{[](const auto& p) { return p.x; }, Bounds{Point(-1), Point(1)}};
+  for (const double multiple : {1.0, 3.0, 7.0}) {
+    const auto t = marched.intersect({.origin = {-multiple * 0x1p-75, 0, 0}, .direction = {0x1p999, 0, 0}});
+    REQUIRE(t);
+    CHECK(*t == multiple * 0x1p-1074);
+  }
+}
+
+TEST_CASE("from far away points count no farther beyond the margin of bounds than two last places of t") {
   for (int exponent = 30; exponent <= 60; ++exponent) {
     const double far = std::ldexp(1, exponent), last_place = std::ldexp(1, exponent - 52);
-    const double beyond = std::max(0x1p-9, 2 * last_place);
-    for (const double x : {4 - 2 * beyond, 4.0, 5.0, 6.0, 6 + 2 * beyond}) {
+    const double beyond = 1.001 * (0x1p-9 + 2 * last_place);
+    for (const double x : {4 - beyond, 4.0, 5.0, 6.0, 6 + beyond}) {
       CAPTURE(exponent, x);
       const Marched marched{[x](const auto& p) { return p.x - x; }, Bounds{Point(4), Point(6)}};
       const auto t = marched.intersect({.origin = {-far, 5, 5}, .direction = {1, 0, 0}});

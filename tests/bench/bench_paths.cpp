@@ -119,7 +119,8 @@ struct Error {
 };
 
 /// Returns the mean squared error of the nine in ten pixels of a picture that are nearest to a long picture
-/// of the same way. It leaves out the few pixels that a rare bright path has met.
+/// of the same way. It leaves out the tenth with the largest errors, as of pixels that a rare bright path has
+/// met.
 double squares_of_calm(const Light& light, const Light& long_light) {
   std::vector<double> squares;
   for (std::size_t i = 0; i < light.size(); i += 3) {
@@ -137,7 +138,7 @@ double squares_of_calm(const Light& light, const Light& long_light) {
 /// variance is the expected squared error of one of them, without bias and without a reference; it does not
 /// see an error that all of them have, which the mean light shows and the truth, if it is known. The best
 /// nine in ten pixels are those of the first half of the pictures, and the second half tells their error.
-/// The calm pixels are those of a long picture, if there is one.
+/// The calm pixels are chosen in each picture, by its difference from a long one, if there is one.
 Error error_of(const Way& way, int samples, int pictures, const Light& truth, const Light& long_light) {
   std::vector<Light> all;
   for (int i = 0; i < pictures; ++i) all.push_back(way.draw(samples, 1000 + static_cast<std::uint64_t>(i)));

@@ -207,7 +207,7 @@ std::string marches(const std::string& folder) {
   const CsvTable table = read_csv(folder + "/marching.csv").at(0);
   LineChart chart{.title = "Error of hits of a torus against the time of a ray",
                   .to_the_right = "time of a ray, nanoseconds",
-                  .upwards = "mean error of t",
+                  .upwards = "error of t, RMS",
                   .ticks_right = {100, 1000},
                   .ticks_up = {1e-16, 1e-12, 1e-8, 1e-4, 1},
                   .series = {},

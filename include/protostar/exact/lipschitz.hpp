@@ -162,7 +162,8 @@ class Variation {
     for (int i = 0; i < 3; ++i)
       mixed.gradient[i] = common(mixed.gradient[i], b.gradient[i] + weight * (a.gradient[i] - b.gradient[i]));
     mixed.curvature = mixed.curvature.widened(
-        larger_by_rounding * (times(a.lipschitz + b.lipschitz, a.lipschitz + b.lipschitz) + lost) / (2 * k),
+        larger_by_rounding * (times(a.lipschitz + b.lipschitz, a.lipschitz + b.lipschitz) + lost) / (2 * k) +
+            lost,
         0);
     if (weight.lower >= 1) mixed.lipschitz = a.lipschitz;
     if (weight.upper <= 0) mixed.lipschitz = b.lipschitz;

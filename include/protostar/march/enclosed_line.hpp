@@ -24,7 +24,7 @@ struct ModerateLine : RoundedLine {
   /// 2^-1075, for which 2^-1060 stands.
   explicit ModerateLine(const Ray& ray) : RoundedLine(rounded_line(ray)) {
     if (is_of_moderate_size(direction)) return;
-    // The largest component comes to [1, 2), so that t is at most as large as the coordinates.
+    // The largest component comes to [1, 2), but for factors beyond 2^±1000.
     unit = power_of_two(std::clamp(1 - exponent_of({direction}), -1000, 1000));
     for (int k = 0; k < 3; ++k) {
       const double given = direction[k], error = direction_error[k];
@@ -92,13 +92,18 @@ struct EnclosedLine {
     // They are sixteenths, so that a sum of four quotients overflows for no t in the range of double.
     const E to_min = (E(box.min[k]) - line.origin[k]) * 0x1p-4,
             to_max = (E(box.max[k]) - line.origin[k]) * 0x1p-4;
-    // A quotient is all numbers if the direction is 0, or underflows, or t overflows.
-    const E at_min = to_min / line.direction[k], at_max = to_max / line.direction[k];
-    const E at = hull(at_min, at_max);
-    if (to_min.lower.hi > 0 && !rounding::is_known(at_min.lower)) return {infinity, -infinity};
-    if (to_max.upper.hi < 0 && !rounding::is_known(at_max.lower)) return {infinity, -infinity};
-    span.min = std::max(span.min, std::nextafter(16 * at.lower.hi, -infinity));
-    span.max = std::min(span.max, std::nextafter(16 * at.upper.hi, infinity));
+    // A quotient is all numbers if the direction may be 0, or t overflows. A face that the line comes to
+    // beyond the range of double, even by the largest direction, leaves no t if the line is beside it.
+    const E& d = line.direction[k];
+    const DoubleDouble largest = -d.lower < d.upper ? d.upper : -d.lower;
+    const auto is_beyond = [&](const E& to_face) {
+      return !rounding::is_known((to_face / E{largest, largest}).lower);
+    };
+    if (to_min.lower.hi > 0 && is_beyond(to_min)) return {infinity, -infinity};
+    if (to_max.upper.hi < 0 && is_beyond(to_max)) return {infinity, -infinity};
+    const E to_first = d.upper.hi < 0 ? to_max : to_min, to_last = d.upper.hi < 0 ? to_min : to_max;
+    span.min = std::max(span.min, std::nextafter(16 * (to_first / d).lower.hi, -infinity));
+    span.max = std::min(span.max, std::nextafter(16 * (to_last / d).upper.hi, infinity));
   }
   return span;
 }

@@ -25,8 +25,8 @@ struct MarchedRoot {
   Answer answer = Answer::miss;
   double min = 0, max = 0;
 
-  /// Returns the middle of the enclosure, which has the sign of the root.
-  [[nodiscard]] double t() const { return 0.5 * min + 0.5 * max; }
+  /// Returns the middle of the enclosure, which has the sign of the root; both ends have it.
+  [[nodiscard]] double t() const { return min + 0.5 * (max - min); }
 };
 
 namespace detail {

@@ -31,8 +31,8 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 
 /// Surface of a field: the points inside the bounds where the field is 0. The inside is the points where it
 /// is below 0. It is made of the field and the bounds: `Marched{field, Bounds{...}}`. Points in the bounds
-/// surely count, also in a face of them. Points beyond them may, up to 2^-10 of the largest side, or as far
-/// as two last places of t go if that is more, as from 2^42 sides away.
+/// surely count, also in a face of them. Points beyond them may, up to 2^-10 of the largest side, and as far
+/// as two last places of t go besides.
 ///
 /// A DistanceField is a generic function of a point, as [](const auto& p) { return length(p) - 1.0; }. From
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
@@ -119,7 +119,8 @@ class Marched<F> {
       detail::March march(lines, begin, range.max);
       const LaneMask precisely = march.in_double(is_outside);
       const auto& roots = march.roots();
-      const Doubles t = 0.5 * (roots.min + roots.max), margin = 2 * Roots::relative_error * abs(t);
+      const Doubles t = roots.min + 0.5 * (roots.max - roots.min),
+                    margin = 2 * Roots::relative_error * abs(t);
       first.is_there = roots.met && 0.0 < t - margin && t + margin < range.max;
       first.t = select(first.is_there, t, first.t);
       // A march that finds nothing inside the range goes on behind it, alone.
