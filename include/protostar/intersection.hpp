@@ -14,20 +14,23 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Crossing of a ray with a surface: the ray's parameter, and the crossing's index among those of the surface
-/// with the ray's line, counted from 0. On a surface made of primitives, the index is among the crossings of
-/// one primitive.
+/// Crossing of a ray with a surface.
 struct Crossing {
-  double t = 0;
+  double t = 0;  ///< parameter of the ray
+
+  /// Index of the crossing among the roots of the ray's line on this surface or primitive, near to far,
+  /// without the root 0 of a ray that departs from it. For a surface that offers only intersect, or is
+  /// marched, a running number within the search.
   int root = 0;
+
   int primitive = 0;  ///< index of the crossed primitive, as the surface counts them
 };
 
 /// Table of functions for a surface whose type is erased; their first argument is the surface, which
 /// Departure::surface names. surface.hpp has one such table for each type.
 struct SurfaceFunctions {
-  /// Returns the point of a moving surface that is at a place at a time, where it was made; the other
-  /// functions take that. Null for surfaces that do not move.
+  /// Maps a point in the scene at a time back to the pose in which the moving surface was defined. The
+  /// functions below that take a point expect that one. Null for surfaces that do not move.
   Point (*at_rest)(const void* surface, const Point& point, double time);
   Vec3 (*normal_at)(const void* surface, const Point& point, int primitive);
   Uv (*uv_at)(const void* surface, const Point& point, int primitive);
@@ -93,14 +96,14 @@ namespace detail {
 /// what it uses. It is valid as long as its scene lives and gets no further surfaces.
 class Intersection {
  public:
-  using Light = Color;  ///< type of the radiance along its ray
+  using Light = Color;  ///< type of radiance (Color, or Colors for packets), not a light source
 
   /// Parameter of the ray here, a distance in scene units if the ray's direction is a unit vector.
   double t;
 
   Intersection(const Ray& ray, const SurfaceCrossing& on) : t(on.crossing.t), ray_(ray), on_(on) {}
 
-  /// Returns the point of the ray at t, at most at farthest_point.
+  /// Returns the point of the ray at t, with t limited to 2^440 (farthest_point).
   [[nodiscard]] Point point() const { return ray_.at(std::min(t, farthest_point)); }
 
   /// Returns the direction of the ray.
@@ -109,13 +112,15 @@ class Intersection {
   /// Returns the time of the ray, at which it hits a moving surface.
   [[nodiscard]] double time() const { return ray_.time; }
 
-  /// Returns the surface's own unit normal, on the side that the surface calls its outside (§2.3.1).
+  /// Returns the unit normal that the surface gives here, before any normal map, on the side that the surface
+  /// calls its outside (§2.3.1). On a mesh with vertex normals it is interpolated from these and differs from
+  /// the triangle's geometric normal.
   [[nodiscard]] Vec3 surface_normal() const {
     return on_.functions->normal_at(on_.surface, at_rest(), part());
   }
 
-  /// Returns the surface's own normal and the shading normal, which the material's normal map tilts, on the
-  /// surface's outside; or on the side that the ray comes from, as surfaces are two-sided (§2.3.2).
+  /// Returns surface_normal() and the shading normal, which the material's normal map tilts, both on the
+  /// surface's outside.
   [[nodiscard]] Normals<Vec3> normals() const {
     Normals<Vec3> n{.surface = surface_normal(), .shading = {}};
     n.shading = copied(n.surface);
@@ -126,10 +131,14 @@ class Intersection {
     }
     return n;
   }
+
+  /// Returns the same two normals on the side that the ray comes from, as surfaces are two-sided (§2.3.2).
   [[nodiscard]] Normals<Vec3> facing_normals() const { return normals().facing(ray_.direction); }
 
-  /// Returns the shading normal on the surface's outside, or on the side that the ray comes from.
+  /// Returns the shading normal, on the surface's outside.
   [[nodiscard]] Vec3 normal() const { return normals().shading; }
+
+  /// Returns the shading normal, on the side that the ray comes from.
   [[nodiscard]] Vec3 facing_normal() const { return facing_normals().shading; }
 
   /// Returns the height of a light over the surface, given the vector l to it: n·l with the shading normal n
@@ -176,8 +185,8 @@ class Intersection {
             .time = ray_.time};
   }
 
-  /// Returns t to 1 ulp, for a surface that knows its exact roots, as those of the library do; otherwise t as
-  /// it is.
+  /// Returns t rounded from the exact root, within 1 ulp, if the surface has one; the middle of the enclosure
+  /// for Torus and marched surfaces; t itself for a surface without an equation or exact_root.
   [[nodiscard]] double refined() const {
     return static_cast<double>(
         protostar::refined(on_.functions->exact_root(on_.surface, ray_, on_.crossing)));
@@ -188,7 +197,8 @@ class Intersection {
   [[nodiscard]] bool operator<(const Intersection& other) const { return precedes(ray_, on_, other.on_); }
 
  private:
-  /// Returns the point as the surface's functions take it.
+  /// Returns the hit point as the surface's functions expect it: mapped back to the defining pose if the
+  /// surface moves.
   [[nodiscard]] Point at_rest() const {
     return on_.functions->at_rest == nullptr ? point()
                                              : on_.functions->at_rest(on_.surface, point(), ray_.time);

@@ -9,15 +9,16 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Note of the scene of which something has been prepared, such as its area lights: where the scene is, and
-/// how many surfaces it had.
+/// Identity of a scene when data such as its area lights were derived from it: the address of its lights and
+/// its number of surfaces. Surfaces replaced in equal number, and added lights, are not noticed.
 class PreparedScene {
  public:
   template <Surface... S>
   explicit PreparedScene(const Scene<S...>& scene) : lights_(&scene.lights()), surfaces_(scene.size()) {}
 
-  /// Throws std::logic_error, in the name of what was prepared, if a scene, or a view of it, is another one
-  /// or has other surfaces than then.
+  /// Throws std::logic_error if the scene, or the scene behind a view, is not the recorded one or, for
+  /// arguments with size(), has another number of surfaces. `prepared` begins the message and is a plural
+  /// noun, such as "AreaLights".
   void require(const auto& scene, const char* prepared) const {
     bool is_same = static_cast<const void*>(&scene.lights()) == lights_;
     if constexpr (requires { scene.size(); }) is_same = is_same && scene.size() == surfaces_;

@@ -97,7 +97,7 @@ struct RayTransform;
 /// vector, as for camera rays, t is a distance in scene units. A ray whose direction is 0 or whose numbers
 /// are not finite crosses nothing.
 struct Ray {
-  using Light = Color;  ///< type of the radiance along the ray
+  using Light = Color;  ///< type of radiance (Color, or Colors for packets), not a light source
 
   Point origin{0};
   Vec3 direction{0, 0, 1};

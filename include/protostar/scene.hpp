@@ -88,7 +88,8 @@ template <Surface T>
 
 /// Searches the closest hit among surfaces of one type: tests one after the other, stores the closest hit so
 /// far in `first`, whose surface is null until there is one, and returns the new end of the range. The order
-/// is exact for surfaces that can refine their roots. Among hits at equal t, the surface tested first wins.
+/// is exact between surfaces with an equation, and as exact as exact_root of a composite surface; any other
+/// surface's t is taken as exact. Among hits at equal t, the surface tested first wins.
 ///
 /// If the surfaces have an equation, no instance has mapped the ray and the range begins at 0, their first
 /// roots in double nearly always decide by a few comparisons: a root below `sooner` surely precedes the
@@ -234,7 +235,7 @@ class Scene<S...> {
   }
 
   /// Sets the environment: the radiance of rays that hit nothing, as a function of their unit direction, or
-  /// of its u and v (direction_uv), with v below 1. It takes precedence over the sky. Throws
+  /// of its u and v (environment_uv), with 0 ≤ v < 1. It takes precedence over the sky. Throws
   /// std::invalid_argument for an empty function.
   void set_environment(Environment environment) {
     if (!environment)
@@ -244,8 +245,8 @@ class Scene<S...> {
     ++environments_;
   }
 
-  /// Returns the closest hit in the range, if there is one. The order is exact for surfaces that can refine
-  /// their roots.
+  /// Returns the closest hit in the range, if there is one. The order is exact between surfaces with an
+  /// equation, and as exact as exact_root of a composite surface; any other surface's t is taken as exact.
   [[nodiscard, gnu::noinline]] std::optional<Intersection> intersect(
       const Ray& ray, [[maybe_unused]] Interval range = {}) const {
     SurfaceCrossing first;
@@ -265,7 +266,8 @@ class Scene<S...> {
   }
 
   /// Calls visit(const Intersection&) for all hits in the range, in the order of the surfaces, not along the
-  /// ray; hits on one surface come near before far. A point of tangency counts as two hits.
+  /// ray; hits on one surface come near before far. A point of tangency counts as two hits, but as one on a
+  /// surface that offers only intersect.
   void crossings(const Ray& ray, Interval range, auto&& visit) const {
     [[maybe_unused]] const auto on_each = [&](const auto& surfaces, const auto& materials) {
       for (std::size_t i = 0; i < surfaces.size(); ++i)
@@ -288,7 +290,8 @@ class Scene<S...> {
   /// Returns the radiance of rays that hit nothing as a function of their direction; empty if there is none.
   [[nodiscard]] const Environment& environment() const { return environment_; }
 
-  /// Returns how often an environment has been set: by another number, it is another one.
+  /// Returns a version number of the environment: 0 at first, one more after each set_environment.
+  /// EnvironmentLight compares it to detect that its environment has been replaced.
   [[nodiscard]] std::size_t environments() const { return environments_; }
 
   /// Returns the number of surfaces.

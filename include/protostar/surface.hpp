@@ -1,10 +1,9 @@
 // Functions that intersect rays with a surface of any type, and tell what is known at a hit.
 //
-// A surface writes its equation twice: equation(rays) in double with bounds of its errors, for one ray or for
-// several in lanes, or for a RoundedLine, whose errors count (numeric/rounded_equation.hpp); and
-// equation(line) without rounding, for an ExactLine (numeric/equation.hpp). is_left_by(rays) tells if these
-// depart from the surface, and the root 0 does not count. Double nearly always decides; a ray in doubt is
-// decided without rounding.
+// A SurfaceWithEquation has equation(line) for several kinds of line: rays in double, one or several in
+// lanes, or a RoundedLine, with bounds of the errors (numeric/rounded_equation.hpp), and an ExactLine,
+// without rounding (numeric/equation.hpp). is_left_by(rays) tells if rays depart from the surface; then the
+// root 0 does not count. Double nearly always decides; a ray in doubt is decided without rounding.
 #pragma once
 
 #include <cmath>
@@ -79,9 +78,9 @@ inline constexpr bool is_quadratic = requires(const S& surface, const ExactLine&
   surface.equation(line).without_root_at_0();
 };
 
-/// Calls answer(e) with the equation e of a line, or of lines, and a surface, and returns its result. If the
-/// rays on them depart from the surface, e lacks the root 0: a quadratic equation becomes linear, and a
-/// linear one surely misses.
+/// Calls answer(e) with the surface's equation e along `line` and returns its result. `rays` has the
+/// departure; `line` is the same object, or the RoundedLine of a transformed ray. If the rays depart from the
+/// surface, e lacks the root 0: a quadratic equation becomes linear, and a linear one surely misses.
 [[nodiscard, gnu::always_inline]] inline auto with_equation(const auto& surface, const auto& rays,
                                                             const auto& line, const auto& answer) {
   using Equation = decltype(surface.equation(line));
@@ -123,7 +122,8 @@ template <class S>
 
 }  // namespace detail
 
-/// Returns the roots of the active ones of several rays in lanes, or of one ray, as far as double tells.
+/// Returns the roots of the active ones of several rays in lanes, or of one ray, as far as double tells. Rays
+/// in doubt have in_doubt set. Precondition: no ray has a transform, whose errors would be ignored.
 [[nodiscard, gnu::always_inline]] inline auto roots_of_each(const auto& surface, const auto& rays,
                                                             const auto& active) {
   return detail::with_equation(surface, rays, rays, [&](const auto& e) { return roots_of_each(e, active); });
@@ -202,7 +202,8 @@ template <Surface S>
 namespace detail {
 
 #ifndef NDEBUG
-/// Tells once on stderr that the intersect of a type of surface does not keep to its range.
+/// Warns on stderr that a surface's intersect returned a t outside its range. Only the first warning of the
+/// program is printed, for whichever type comes first.
 [[gnu::noinline, gnu::cold]] inline void warn_of_range(const char* type, double t, Interval range) {
   static std::atomic_flag is_told;
   if (is_told.test_and_set()) return;
@@ -215,8 +216,8 @@ namespace detail {
 }
 #endif
 
-/// Returns the answer of a surface's own intersect; none if it is not inside the range. In a debug build, one
-/// without NDEBUG, the first such answer is reported on stderr.
+/// Returns the answer of a surface's own intersect; none if it is not inside the range, for which a debug
+/// build, one without NDEBUG, calls warn_of_range.
 template <Surface S>
 [[nodiscard]] std::optional<double> own_intersect(const S& surface, const Ray& ray, Interval range) {
   const std::optional<double> t = surface.intersect(ray, range);
@@ -229,7 +230,9 @@ template <Surface S>
 
 }  // namespace detail
 
-/// Returns the rest of the range for a ray that departs from a surface without departure().
+/// Returns the range without the crossing at which a ray starts on a surface that has no departure(); takes
+/// up to three calls of intersect. Meant for range.min ≥ 0: a negative min is kept, or raised above all
+/// crossings behind.
 ///
 /// The crossing at t = 0 is computed and comes out as a little more or less. The line's crossing nearest to
 /// the origin is taken for it: one that lies ahead is cut off, one behind or at the origin is outside a
@@ -301,7 +304,8 @@ template <Surface S>
 }
 
 /// Returns true if a ray departs from a surface and does not hit it again in t > 0, as is known without its
-/// roots: a plane, or a sphere that the ray leaves outward.
+/// roots: a plane, or a sphere that the ray leaves outward. False means unknown, and is returned whenever
+/// range.min < 0.
 template <Surface S>
 [[nodiscard]] bool leaves_for_good([[maybe_unused]] const S& surface, const Ray& ray, Interval range) {
   if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S> && !CompositeSurface<S>)
@@ -318,7 +322,8 @@ template <Surface S>
 }
 
 /// Returns true if a ray has any hit on a surface inside a range. A surface made of many primitives may know
-/// that sooner than its closest hit, and offers any_hit(ray, range).
+/// that sooner than its closest hit, and offers any_hit(ray, range). Its any_hit gets the range unchanged: it
+/// must itself ignore the crossing at t = 0 of a ray that departs from the surface.
 template <Surface S>
 [[nodiscard]] bool any_hit(const S& surface, const Ray& ray, Interval range) {
   if constexpr (requires { surface.any_hit(ray, range); }) {

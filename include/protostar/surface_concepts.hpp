@@ -89,8 +89,9 @@ concept MarchedSurface = Surface<S> &&
   surface.record_field(tape);
 };
 
-/// Surface that offers its roots, all crossings with the ray's line, and its departure; it omits the root t =
-/// 0 for a ray with that departure. A point of tangency counts as two.
+/// Surface with roots(ray): all crossings of the ray's whole line, t < 0 included, near before far, at most
+/// two. With departure() it must omit the root t = 0 of a ray with that departure; without it,
+/// beyond_departure applies. A point of tangency is given twice. Exact comparisons take each t as it is.
 template <class S>
 concept SurfaceWithRoots = Surface<S> && requires(const S& surface, const Ray& ray) {
   { surface.roots(ray) } -> std::same_as<Roots>;
@@ -106,8 +107,9 @@ concept SurfaceWithEquation = Surface<S> &&
   { surface.is_left_by(ray) } -> std::same_as<bool>;
 };
 
-/// Surface made of others, or of primitives, that finds its crossings itself, with departures and exact
-/// roots.
+/// Surface that finds its crossings itself: one made of other surfaces or of primitives, one with more than
+/// two crossings per line (Torus), or one that is marched. Its functions take account of departures, and
+/// each_crossing visits near to far.
 template <class S>
 concept CompositeSurface = Surface<S> &&
     requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
@@ -175,7 +177,8 @@ template <Surface S>
     return knows_uv<S> && knows_tangents<S>;
 }
 
-/// True for a surface that tells how far a point is away from it at least.
+/// True for a surface with distance_bound(point): a lower bound, up to rounding, of the distance to the
+/// surface in scene units; may be less than 0 inside.
 template <class S>
 inline constexpr bool knows_distance = requires(const S& surface, const Point& point) {
   { surface.distance_bound(point) } -> std::same_as<double>;
