@@ -27,13 +27,14 @@ namespace protostar::inline PROTOSTAR_ABI {
 template <class>
 class Accelerated;
 
-/// A scene with a BVH over the surfaces that have bounds. Its answers are those of the scene, to the last
-/// bit. Many threads may share it.
+/// View of a scene with one BVH for each type of surface with bounds; surfaces without bounds are tested one
+/// after the other. Its answers are those of the scene, to the last bit. Many threads may share it.
 ///
-/// It borrows the scene, which has to live as long and keep its surfaces: the tree knows those that were
-/// there when it was built. If the scene has gained or lost surfaces since, each of intersect, occluded and
-/// crossings, and render, throws std::logic_error; accelerate the scene again. Lights, sky and environment
-/// may change between two calls.
+/// It borrows the scene, which has to live as long and keep its surfaces: the trees know those that were
+/// there when they were built. If the scene has gained or lost surfaces since, each of intersect, occluded
+/// and crossings, and render, throws std::logic_error; accelerate the scene again. Replacing surfaces in
+/// equal number is not detected and leaves the BVHs wrong. Lights, sky and environment may change between two
+/// calls.
 template <Surface... S>
 class Accelerated<Scene<S...>> {
  public:
@@ -75,9 +76,9 @@ class Accelerated<Scene<S...>> {
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 
-  /// Returns the surfaces that a ray leaves together, for a scene of at most few_surfaces without primitives:
-  /// bit k stands for the k-th in the scene's order. The ray departs from a surface of the scene, or from
-  /// nothing.
+  /// Returns the surfaces that the ray departs from: the one in ray.departure.surface and all that coincide
+  /// with it. Bit k is the k-th surface of the scene. Returns 0 for a ray from free space, and for types
+  /// without is_left_by or with primitives. Precondition: at most few_surfaces surfaces.
   [[nodiscard]] simd::Bits departed_together(const Ray& ray) const {
     std::size_t index = 0;
     const auto is_of = [&]<class T>(std::type_identity<T>) {
@@ -95,8 +96,8 @@ class Accelerated<Scene<S...>> {
       refuse_other_surfaces();
   }
 
-  /// Tells visit of each surface that may reach into every one of the half-spaces, some at a time. The sphere
-  /// around a surface without bounds has an infinite radius.
+  /// Calls visit for groups of surfaces that no single half-space excludes, a superset of those that reach
+  /// into their intersection. The sphere around a surface without bounds has an infinite radius.
   void frustum_query(std::span<const simd::HalfSpace> half_spaces, const simd::VisitSurfaces& visit) const {
     std::size_t first = 0;
     const auto search = [&]<class T>(const simd::Finder<T>& finder) {
@@ -122,7 +123,8 @@ class Accelerated<Scene<S...>> {
                            "; accelerate it again after its surfaces have changed");
   }
 
-  /// Finds the surfaces that a ray departs from together with each.
+  /// Fills departed_together_: for each surface A, the set of surfaces B with is_left_by true for a ray that
+  /// departs from A: A itself, and each B that coincides with it.
   void find_departed_together() {
     const auto each = [&](const auto& visit) {
       std::size_t index = 0;
@@ -217,14 +219,15 @@ class Accelerated<Scene<S...>> {
   Counts counts_;  ///< when the scene was accelerated
   Finders finders_;
 
-  /// Surfaces that a ray departs from together with each; 0 in a larger scene.
+  /// Sets of coinciding surfaces, by the index in the scene's order of the surface that is left; all 0 if the
+  /// scene has more than few_surfaces.
   std::array<simd::Bits, simd::few_surfaces> departed_together_{};
 };
 
-/// Returns an accelerated scene, with the same answers sooner; call it once all surfaces are in the scene.
-/// The result borrows the scene and throws if surfaces are added or removed; see Accelerated. Throws
-/// std::invalid_argument if options.threads is negative, and std::length_error if there are more than 2^27
-/// surfaces of one type.
+/// Returns an accelerated view of a scene, with the scene's answers in less time. Call it after the last
+/// surface has been added. The view borrows the scene and throws if surfaces are added or removed; see
+/// Accelerated. Throws std::invalid_argument if options.threads is negative, and std::length_error if there
+/// are more than 2^27 surfaces of one type.
 template <Surface... S>
 [[nodiscard]] Accelerated<Scene<S...>> accelerate(const Scene<S...>& scene,
                                                   const RenderOptions& options = {}) {

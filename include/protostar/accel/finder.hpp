@@ -42,8 +42,8 @@ class Finder {
   Finder(const SceneVector<T>& surfaces, const RenderOptions&)
       : count_(static_cast<std::uint32_t>(surfaces.size())) {}
 
-  /// Calls visit(i) for a set of surfaces with all that a ray crosses inside the range, in any order, until a
-  /// call returns true; returns true if one did.
+  /// Calls visit(i) for candidates: a superset of the surfaces, except `departed`, that the ray crosses
+  /// inside the range, in any order. Stops and returns true as soon as a call returns true.
   bool each_candidate(const Ray&, const Interval&, std::uint32_t departed, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
       if (i != departed && visit(i)) return true;
@@ -56,17 +56,17 @@ class Finder {
     return each_candidate(ray, range, departed, visit);
   }
 
-  /// Calls visit(i), roughly near to far, for a set of surfaces with that of the closest hit inside the
-  /// range. `range` refers to a variable of the caller, which a visit may shorten: it is read again after
-  /// each.
+  /// Calls visit(i) for candidates, roughly near to far: a set of surfaces, except `departed`, that has the
+  /// one of the closest hit inside the range. `range` refers to a variable of the caller, which a visit may
+  /// shorten: it is read again after each.
   void search_closest(const Ray&, const Interval&, std::uint32_t departed, const auto& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i)
       if (i != departed) visit(i);
   }
 
-  /// Tells visit of each surface that may reach into every one of the half-spaces, some at a time; `first` is
-  /// the index of the type's first surface in the scene's order. The sphere around a surface without bounds
-  /// has an infinite radius.
+  /// Calls visit for groups of surfaces that no single half-space excludes, a superset of those that reach
+  /// into their intersection. Indices are in the scene's order, counted from `first`, that of the type's
+  /// first surface. The sphere around a surface without bounds has an infinite radius.
   void frustum_query(std::span<const HalfSpace>, std::uint32_t first, const VisitSurfaces& visit) const {
     for (std::uint32_t i = 0; i < count_; ++i) visit(around_unbounded(first + i));
   }
@@ -186,9 +186,9 @@ class Finder<Sphere> {
     return each_along<Order::any>(bvh_, ray, range, visit_other, visit_leaf);
   }
 
-  /// Calls visit(i) for a set of spheres with that of the closest hit inside the range. A sphere that is
-  /// surely entered before all known ones is visited last: mostly a nearer one is found until then, or there
-  /// is no other.
+  /// Calls visit(i) for a set of spheres that has the one of the closest hit inside the range. Postpones
+  /// until the end a sphere that the ray surely enters. One that is surely entered earlier replaces it; the
+  /// replaced one cannot be the closest and is never visited.
   void search_closest(const Ray& ray, const Interval& range, std::uint32_t departed,
                       const auto& visit) const {
     const auto visit_other = [&](std::uint32_t i) {
@@ -275,8 +275,8 @@ class Finder<Sphere> {
     return index == no_surface ? nowhere : position_[index];
   }
 
-  /// Returns which of the spheres from the i-th of a leaf on a ray may meet within its reach, without that at
-  /// the position passed_over.
+  /// Returns the set of spheres that the ray may meet within `reach`; bit k is sphere i + k of the leaf.
+  /// Leaves out the sphere at position passed_over.
   [[nodiscard, gnu::always_inline]] static Bits maybe(const SpherePass& passed, Leaf leaf, std::uint32_t i,
                                                       Reach reach, std::uint32_t passed_over) {
     const std::uint32_t k = passed_over - (leaf.first + i);

@@ -1,4 +1,5 @@
-// A BVH over primitives that have bounds, and its traversal, which finds those that a ray may meet.
+// BVH over primitives with finite bounds: construction, and access to nodes and leaves. traversal.hpp
+// searches it.
 #pragma once
 
 #include <bit>
@@ -30,8 +31,9 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 class Bvh {
  public:
   /// Builds the tree of `count` primitives, the i-th of which has bounds_of(i); one without finite bounds is
-  /// in unbounded(), not in a leaf. The tree does not depend on the number of threads. Throws
-  /// std::length_error if there are more than largest_tree.
+  /// in unbounded(), not in a leaf. bounds_of must be free of side effects: it is called from several threads
+  /// and up to three times for each i. Only options.threads is used, not progress or stop, and the tree does
+  /// not depend on it. Throws std::length_error if there are more than largest_tree.
   Bvh(std::size_t count, const auto& bounds_of, LeafSize leaf_size, const RenderOptions& options) {
     if (count > largest_tree) throw std::length_error("accelerate: more than 2^27 surfaces of one type");
     const protostar::detail::Parts parts{0, count};

@@ -36,8 +36,9 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
   return 2 * (origin_error + distance * (direction_error / longest));
 }
 
-/// Returns the length by which primitives are widened for a ray that departs from a sphere, or that is
-/// rounded itself.
+/// Returns the length, ≥ 0, in the coordinates of the primitives' bounds (not box space), by which all boxes
+/// must be widened to stay conservative for a ray that departs from a sphere, or that is rounded itself;
+/// infinite if boxes cannot be used.
 ///
 /// A ray that leaves a sphere outward does not hit it again, whatever its bounds say. Any other ray that
 /// departs from a sphere starts on the sphere by definition, whatever its digits say. If these put its origin
@@ -69,8 +70,9 @@ bool any_of(std::span<const std::uint32_t> things, const auto& visit) {
   return false;
 }
 
-/// Returns true if boxes tell anything of what a ray meets inside a range. Behind the origin their ends are
-/// not widened (Slabs), so they do not help there.
+/// Returns true if the boxes may be used: the ray fits float, and range.min ≥ 0, since behind the origin
+/// their ends are not widened (Slabs). Otherwise the caller visits all primitives, in time proportional to
+/// their number; trace a reversed ray for t < 0, as Mesh::each_crossing does.
 [[nodiscard]] inline bool helps(const BoxRay& line, const Interval& range) {
   return line.usable && range.min >= 0;
 }

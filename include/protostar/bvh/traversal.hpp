@@ -21,7 +21,8 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Numbers, one for each child of a node.
 using NodeFloats = Lanes<float, node_width>;
 
-/// Order in which leaves are visited.
+/// Order of visits: near_first takes the children of each node by their entry distance, so that leaves come
+/// mostly, not strictly, near to far; any does not sort them.
 enum class Order { near_first, any };
 
 /// Prefetching of children, or of leaves, that does nothing.
@@ -50,7 +51,8 @@ struct Met {
   Bits met;
 };
 
-/// Largest number of children that wait in a traversal: on each level all but one.
+/// Capacity of the stack of waiting children: node_width − 1 for each level, and room for store_chosen, which
+/// may write node_width places.
 inline constexpr int most_waiting = most_levels * node_width;
 
 /// Children that wait in a traversal, with their keys. It is apart from the rest of a Traversal, which the
@@ -174,6 +176,8 @@ struct AlongRay {
   Slabs slabs;
   Reach reach;
 
+  /// Makes the search of a non-empty tree. If the root is a leaf, it is visited without a box test, and slabs
+  /// stays unset.
   AlongRay(const Bvh& bvh, const BoxRay& ray, Reach within)
       : slabs(bvh.root().is_leaf() ? Slabs() : Slabs(ray, node_width)), reach(within) {}
 
