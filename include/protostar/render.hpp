@@ -87,8 +87,8 @@ void validate(const auto& radiance) {
 template <class I, class... S>
 inline constexpr bool takes_sampler = Radiates<I, S..., PixelSampler>;
 
-/// Returns the sampler of those that are given none by the user: SobolSampler if an integrator, or the lens
-/// of the camera, takes numbers besides places in pixels.
+/// Returns the sampler of those that are given none by the user: SobolSampler if the integrator takes a
+/// sampler or the camera has a lens or an open shutter, otherwise HammersleySampler.
 template <class I, class... S>
 [[nodiscard]] const SamplerChoice& default_sampler(const Camera& camera) {
   return takes_sampler<I, S...> || camera.has_lens() || camera.shutter.is_open()
@@ -166,8 +166,12 @@ void draw_samples(Film& film, const SampleRange& samples, const RenderOptions& o
 
 /// Fills an image with the view of a camera, one ray through each pixel's center unless the options say
 /// otherwise; radiance(ray) or radiance(ray, sampler) returns the radiance along a ray, and is called from
-/// several threads at once. The picture is the same for any number of threads. With options.error or seconds,
-/// the picture has as many samples as its error takes, or as fit into the time, and the report tells both.
+/// several threads at once. The picture is the same for any number of threads. With options.error or
+/// options.seconds, samples are added in passes until the error is met or the time is used up, or
+/// options.max_samples is reached; options.report then has the number of samples and the estimated error.
+///
+/// Returns early if a stop is requested: some pixels are then not drawn or, with passes, the image stays as
+/// it was.
 ///
 /// Throws std::invalid_argument for an invalid camera, a negative number of threads or samples, a crop that
 /// does not contain the image and options that make no sense together, anything that radiance.validate()
@@ -184,11 +188,11 @@ void render(Image& image, const Camera& camera, const Radiance auto& radiance,
 /// picture is that of options.crop, whose position is not used; without one, the picture ends where the tile
 /// does.
 ///
-/// Samples added in any order, in any ranges, by any number of threads and machines give the same sums, and
-/// the mean of all options.samples, if these are several, that of an image. If options.samples is 0,
+/// Sums do not depend on the order, the ranges, the threads or the machines. After all options.samples > 1
+/// samples have been added, the film's mean is the image that render gives. If options.samples is 0,
 /// samples.last counts as their number; samplers whose numbers depend on it (StratifiedSampler,
-/// HammersleySampler) need it to be the same each time. Their films refuse to tell an error (Film::error):
-/// for that, options.sampler is SobolSampler, IndependentSampler or HaltonSampler.
+/// HammersleySampler) need it to be the same each time. Film::error throws for films that have samples of
+/// these two samplers: for an error, options.sampler is SobolSampler, IndependentSampler or HaltonSampler.
 ///
 /// Throws what the render of an image does, and std::invalid_argument if samples.last is greater than
 /// options.samples. If anything was thrown, or a stop requested, any part of the samples may have been added.

@@ -38,10 +38,11 @@ class Mesh {
 
   [[nodiscard]] const MeshData& data() const { return contents_->data; }
 
-  /// Returns true if the mesh bounds a solid (MeshData::is_closed), which takes a pass over all edges. A line
-  /// is inside between its first crossing and its second, its third and its fourth, and so on. Normals lead
-  /// out of the solid if (b − a) × (c − a) does for each triangle a, b, c: if, in right-handed coordinates,
-  /// the triangles turn counterclockwise as seen from outside, and in left-handed ones clockwise.
+  /// Returns true if the mesh bounds a solid (MeshData::is_closed). Takes O(n log n) time and temporary
+  /// memory at each call; keep the result. A line is inside between its first crossing and its second, its
+  /// third and its fourth, and so on. Normals lead out of the solid if (b − a) × (c − a) does for each
+  /// triangle a, b, c: if, in right-handed coordinates, the triangles turn counterclockwise as seen from
+  /// outside, and in left-handed ones clockwise.
   [[nodiscard]] bool is_solid() const { return data().is_closed(); }
   [[nodiscard]] int primitive_count() const { return static_cast<int>(data().triangles.size()); }
 
@@ -92,7 +93,10 @@ class Mesh {
   /// Returns the plane of a triangle; surfaces in one plane are left together. The ray crosses this mesh as
   /// one does that starts on the triangle, however its origin is rounded (StartInTriangle): next to an edge
   /// that bends away it does not hit the other side, and next to an edge in a valley it does if it leads
-  /// there. Such a ray must not be traced after its mesh is gone.
+  /// there.
+  ///
+  /// The mesh is recognized by the data that all its copies share: a ray that leaves one copy leaves all. Do
+  /// not trace the ray after the last copy is destroyed; a new mesh could have the same address.
   [[nodiscard]] Departure departure(int primitive) const {
     Departure departure = triangle(primitive).departure();
     departure.primitive = primitive, departure.object = contents_.get();
@@ -129,7 +133,8 @@ class Mesh {
         [&](std::size_t k, const auto& query) { tell(k, query.crossing); }, data().triangle_of());
   }
 
-  /// Finds any_hit of many rays, interleaved like first_crossings, and calls tell(k, bool) for each.
+  /// Tests many rays for any hit in the range, the k-th of `count` being ray(k), and calls tell(k, bool) for
+  /// each, in any order. Interleaved like first_crossings.
   void are_met(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
     contents_->tree.answer_each(
         count,
