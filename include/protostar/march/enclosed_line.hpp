@@ -92,8 +92,8 @@ struct EnclosedLine {
     // They are sixteenths, so that a sum of four quotients overflows for no t in the range of double.
     const E to_min = (E(box.min[k]) - line.origin[k]) * 0x1p-4,
             to_max = (E(box.max[k]) - line.origin[k]) * 0x1p-4;
-    // A quotient is all numbers if the direction may be 0, or t overflows. A face that the line comes to
-    // beyond the range of double, even by the largest direction, leaves no t if the line is beside it.
+    // A quotient is all numbers if the direction may be 0, or t overflows. A line beside a face has no t in
+    // the box if its t at the face overflows even for the largest direction.
     const E& d = line.direction[k];
     const DoubleDouble largest = -d.lower < d.upper ? d.upper : -d.lower;
     const auto is_beyond = [&](const E& to_face) {
