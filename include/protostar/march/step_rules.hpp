@@ -25,9 +25,10 @@ struct StepRules {
   static constexpr int most_slow = 12;
 
   /// Rules of the secant method. It is tried where balls shrink steadily, or are smaller than `secant_ball`
-  /// of the extent, and again after they have shrunk to `again` of their size. After `most_failed` tries that
+  /// of the extent, and again after they have shrunk to `again` of their size: a kink before the crossing, at
+  /// which it fails, may still be there if balls are only a little smaller. After `most_failed` tries that
   /// failed, segments take over.
-  static constexpr double secant_ball = 0.01, again = 0.25;
+  static constexpr double secant_ball = 0.01, again = 0.03;
   static constexpr int most_failed = 3;
 
   /// Most segments of a march between two looks at balls. A march that they do not bring farther by
