@@ -20,9 +20,9 @@ struct StepRules {
   static constexpr double worth_balls = 128;
 
   /// Share of the field's extent below which a ball is slow, and the most slow balls before segments take
-  /// over.
+  /// over, each of which costs as much as four to seven values.
   static constexpr double slow_ball = 0.02;
-  static constexpr int most_slow = 12;
+  static constexpr int most_slow = 40;
 
   /// Rules of the secant method. It is tried where balls shrink steadily, or are smaller than `secant_ball`
   /// of the extent, and again after they have shrunk to `again` of their size: a kink before the crossing, at
