@@ -210,30 +210,34 @@ class PixelRays {
    public:
     void resize(int samples, int size) {
       size_ = index(size);
-      numbers_.resize(3 * size_ * index(samples), T{0});
+      numbers_.resize(3 * size_ * index(samples));
     }
     void set(int sample, int i, const Vec3& v) {
-      for (int axis = 0; axis < 3; ++axis) numbers_[offset(sample, axis, i)] = static_cast<T>(v[axis]);
+      T* const to = &numbers_[offset(sample, i)];
+      to[0] = v.x, to[size_] = v.y, to[2 * size_] = v.z;
+    }
+    /// Sets the vectors from `first` on to those in some lanes.
+    template <int N>
+    void store(int sample, int first, const Lanes<T, N>& x, const Lanes<T, N>& y, const Lanes<T, N>& z) {
+      T* const to = &numbers_[offset(sample, first)];
+      x.store(to), y.store(to + size_), z.store(to + 2 * size_);
     }
     [[nodiscard]] Vec3 at(int sample, int i) const {
-      return {*row(sample, 0, i), *row(sample, 1, i), *row(sample, 2, i)};
+      const T* const from = &numbers_[offset(sample, i)];
+      return {from[0], from[size_], from[2 * size_]};
     }
 
     /// Returns V{x, y, z} with the components of the vectors from `first` on in the lanes.
     template <class V>
     [[nodiscard]] V load(int sample, int first) const {
       using L = decltype(V::x);
-      return {L::load(row(sample, 0, first)), L::load(row(sample, 1, first)), L::load(row(sample, 2, first))};
+      const T* const from = &numbers_[offset(sample, first)];
+      return {L::load(from), L::load(from + size_), L::load(from + 2 * size_)};
     }
 
    private:
     static std::size_t index(int i) { return static_cast<std::size_t>(i); }
-    [[nodiscard]] std::size_t offset(int sample, int axis, int i) const {
-      return index(3 * sample + axis) * size_ + index(i);
-    }
-    [[nodiscard]] const T* row(int sample, int axis, int i) const {
-      return &numbers_[offset(sample, axis, i)];
-    }
+    [[nodiscard]] std::size_t offset(int sample, int i) const { return 3 * size_ * index(sample) + index(i); }
 
     std::size_t size_ = 0;  ///< number of vectors of a sample
     PlainVector<T> numbers_;
@@ -313,7 +317,7 @@ class PixelRays {
 
   [[gnu::cold]] void compute_tables(int width, int height) {
     // Packets and blocks are read whole, also where only their first pixels are in the image.
-    const int columns = width + RayBlock::width + double_lanes, rows = height + RayBlock::height;
+    const int columns = (width / RayBlock::width + 2) * RayBlock::width, rows = height + RayBlock::height;
     const int film_columns = is_pinhole_ ? 0 : columns, film_rows = is_pinhole_ ? 0 : rows;
     const int samples = pixels_.last() - pixels_.first();
     tables_.along.resize(samples, columns), tables_.up.resize(samples, rows);
@@ -321,28 +325,34 @@ class PixelRays {
     tables_.block_along.resize(samples, is_pinhole_ ? columns * RayBlock::height : 0);
     tables_.block_row.resize(samples, is_pinhole_ ? rows * RayBlock::width : 0);
     for (int i = 0; i < samples; ++i)
-      compute_tables(i, pixels_.common_place(pixels_.first() + i), width, height);
+      compute_tables(i, pixels_.common_place(pixels_.first() + i), columns, rows);
   }
-  [[gnu::cold]] void compute_tables(int i, const FilteredPlace<double>& sample, int width, int height) {
-    for (int x = 0; x < width; ++x) {
-      const double u = pixels_.u(x, sample.x);
-      tables_.along.set(i, x, u * camera_.right);
-      if (is_pinhole_)
-        for (int k = 0; k < RayBlock::height; ++k)
-          tables_.block_along.set(
-              i, x / RayBlock::width * float_lanes + k * RayBlock::width + x % RayBlock::width,
-              u * camera_.right);
-      else
-        tables_.film_along.set(i, x, u * camera_.film_right);
+  [[gnu::cold]] void compute_tables(int i, const FilteredPlace<double>& sample, int columns, int rows) {
+    for (int x = 0; x < columns; x += double_lanes) {
+      const Doubles u = pixels_.u(x, Doubles(sample.x));
+      const Vectors along = u * camera_.right, film_along = u * camera_.film_right;
+      tables_.along.store(i, x, along.x, along.y, along.z);
+      if (!is_pinhole_) {
+        tables_.film_along.store(i, x, film_along.x, film_along.y, film_along.z);
+        continue;
+      }
+      for (int k = 0; k < RayBlock::height; ++k)
+        tables_.block_along.store(
+            i, x / RayBlock::width * float_lanes + k * RayBlock::width + x % RayBlock::width,
+            to_float(along.x), to_float(along.y), to_float(along.z));
     }
-    for (int y = 0; y < height; ++y) {
+    for (int y = 0; y < rows; ++y) {
       const double v = pixels_.v(y, sample.y);
       tables_.up.set(i, y, v * camera_.up);
-      if (is_pinhole_)
-        for (int k = 0; k < RayBlock::width; ++k)
-          tables_.block_row.set(i, y * RayBlock::width + k, camera_.forward + v * camera_.up);
-      else
+      if (!is_pinhole_) {
         tables_.film_up.set(i, y, v * camera_.film_up);
+        continue;
+      }
+      const Vec3 row = camera_.forward + v * camera_.up;
+      const auto all = [](double number) {
+        return Lanes<float, RayBlock::width>(static_cast<float>(number));
+      };
+      tables_.block_row.store(i, y * RayBlock::width, all(row.x), all(row.y), all(row.z));
     }
   }
 
