@@ -27,15 +27,15 @@ struct TileCone {
     if (!(0x1p-200 < square && square < 0x1p200)) return;
     // Directions within an angle below 90° of an axis form a convex cone, so one that contains the corners'
     // rays contains all between them.
-    cosine_square = 1;
+    double least = 1, sum = 0;
     for (const Vec3& column : columns)
       for (const Vec3& row : rows) {
         const Vec3 corner = camera.forward + column + row;
         const double along = std::max(0.0, dot(middle, corner));
         const double of_corner = along * along / (square * dot(corner, corner));
-        if (!(of_corner >= cosine_square))
-          cosine_square = of_corner > 0 ? of_corner : 0;  // NaN is not certain
+        least = std::min(least, of_corner), sum += of_corner;
       }
+    cosine_square = sum >= 0 ? least : 0;  // NaN is not certain
     if (cosine_square > 0.01) axis = middle / std::sqrt(square);
   }
 };

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "../image.hpp"
 #include "../sampling/exact_lanes.hpp"
@@ -86,8 +87,13 @@ inline void give_packet(const protostar::detail::SampleTarget& target, const Til
 
 /// Gives all pixels of a tile one color.
 inline void fill_tile(Image& image, const Tile& tile, const Color& color) {
-  const Color* const first = std::fill_n(&image(tile.x0, tile.y0), tile.width(), color) - tile.width();
-  for (int y = tile.y0 + 1; y < tile.y1; ++y) std::copy_n(first, tile.width(), &image(tile.x0, y));
+  Color some[float_lanes];
+  std::fill_n(some, float_lanes, color);
+  for (int y = tile.y0; y < tile.y1; ++y) {
+    Color *to = &image(tile.x0, y), *const end = to + tile.width();
+    for (; end - to >= float_lanes; to += float_lanes) std::memcpy(to, some, sizeof(some));
+    std::copy_n(some, end - to, to);
+  }
 }
 
 /// Gives all samples of a tile's pixels one light.
