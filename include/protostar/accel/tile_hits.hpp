@@ -68,6 +68,8 @@ class TileHits {
     static_cast<void>((is_of(scene_.template surfaces<S>(), scene_.template materials<S>()) || ...));
   }
 
+  /// Returns true if any surface has a texture.
+  [[nodiscard]] bool has_textures() const { return (scene_.template has_textures<S>() || ...); }
   /// Returns true if the surface with this index has a texture. Its material, which may be anywhere in
   /// memory, is read only if there is any texture.
   [[nodiscard]] bool has_texture(std::int64_t index) const {
@@ -326,7 +328,7 @@ class TileHits {
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
                                 const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
     if (scene_.template has_normal_maps<T>() && material.normal_map) [[unlikely]]
-      return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
+      return shade_one_by_one(surface, material, RayPacket(rays), closest, lanes, shade_hits);
     if constexpr (RasterizedSurface<T>)
       if (!any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
         const auto& drawn = *buffer_at<T>(in_first_lane(closest.index, bits(lanes)));

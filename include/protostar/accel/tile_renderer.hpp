@@ -283,7 +283,7 @@ class TileRenderer {
       const auto [x, y] = open[k];
       view.set_packet_position(x, y, i);
       const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
-      closest[k] = is_known ? view.closest(rays, work.visibility(x, y)) : view.closest(rays);
+      closest[k] = is_known ? view.closest(CameraPacket(rays), work.visibility(x, y)) : view.closest(rays);
       if (candidates_.are_from_bvh() && !is_known) view.prefetch_seen(closest[k].index);
     }
     if constexpr (FollowsPaths<I>)
@@ -377,10 +377,9 @@ class TileRenderer {
     if (!may_skip_rays()) return true;
     LaneMask remaining = !mask_for<double>(seen == Indices(no_surface_index));
     if constexpr (!shades_without_point) return any(remaining);
-    while (any(remaining)) {
-      const std::int64_t index = take_group(seen, remaining).number;
-      if (index == doubtful_index || view.has_texture(index)) return true;
-    }
+    if (any(seen == Indices(doubtful_index))) return true;
+    while (view.has_textures() && any(remaining))
+      if (view.has_texture(take_group(seen, remaining).number)) return true;
     return false;
   }
 
