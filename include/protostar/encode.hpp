@@ -91,19 +91,21 @@ class Encoder {
     for (int code = 1; code <= max_code; ++code)
       thresholds_.push_back(smallest_float_from(decode(transfer, 2 * code - 1, 2 * max_code)));
 
-    bins_.resize(bin_of(1) + 1);
-    for (std::size_t i = 0, bin = 0; bin < bins_.size(); ++bin) {
+    darkest_ = std::nextafter(thresholds_[0], 0.0f);
+    first_bin_ = bin_of(darkest_);
+    bins_.resize(bin_of(1) - first_bin_ + 1);
+    for (std::size_t i = 0, k = 0; k < bins_.size(); ++k) {
       const std::size_t begin = i;
-      while (i < thresholds_.size() && bin_of(thresholds_[i]) == bin) ++i;
-      bins_[bin] = {.first = begin < i ? thresholds_[begin] : std::numeric_limits<float>::infinity(),
-                    .below = static_cast<std::uint16_t>(begin),
-                    .inside = static_cast<std::uint16_t>(i - begin)};
+      while (i < thresholds_.size() && bin_of(thresholds_[i]) == first_bin_ + k) ++i;
+      bins_[k] = {.first = begin < i ? thresholds_[begin] : std::numeric_limits<float>::infinity(),
+                  .below = static_cast<std::uint16_t>(begin),
+                  .inside = static_cast<std::uint16_t>(i - begin)};
     }
   }
 
   [[nodiscard]] std::uint16_t operator()(float light) const {
     const float x = std::min(std::max(darkest_, light), brightest_);  // darkest for NaN
-    const Bin& bin = bins_[bin_of(x)];
+    const Bin& bin = bins_[bin_of(x) - first_bin_];
     if (bin.inside > 1) return searched(bin, x);
     return static_cast<std::uint16_t>(bin.below + (bin.first <= x));
   }
@@ -159,9 +161,10 @@ class Encoder {
 
   // Not constants, since g++ turns the minimum and maximum with known values into branches, which light
   // mispredicts.
-  float darkest_ = 0, brightest_ = 1;
-  PlainVector<float> thresholds_;  ///< thresholds of the codes from 1 on
-  PlainVector<Bin> bins_;          ///< bins up to the one of light 1
+  float darkest_ = 0, brightest_ = 1;  ///< the largest float whose code is 0; light above 1 is as 1
+  std::size_t first_bin_ = 0;          ///< that of darkest_
+  PlainVector<float> thresholds_;      ///< thresholds of the codes from 1 on
+  PlainVector<Bin> bins_;              ///< bins from first_bin_ up to the one of light 1
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI
