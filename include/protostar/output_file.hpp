@@ -72,8 +72,9 @@ class OutputFile {
 
   void write(const void* bytes, std::size_t size) {
     constexpr std::size_t at_once = 65536;  // so that the system is called seldom
+    if (buffer_.size() + size > at_once) flush();
+    buffer_.reserve(at_once);
     buffer_.append(static_cast<const char*>(bytes), size);
-    if (buffer_.size() >= at_once) flush();
   }
 
   void write(const std::string& bytes) { write(bytes.data(), bytes.size()); }
