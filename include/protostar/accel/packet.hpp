@@ -140,9 +140,10 @@ struct CameraPacket : RayPacket {
   using RayPacket::RayPacket;
 };
 
-/// Returns the radiance that rays bring from an environment, which is asked ray by ray.
+/// Returns the radiance that rays bring from an environment, which is asked ray by ray. It takes a copy, so
+/// that the packet itself stays in registers.
 [[nodiscard, gnu::noinline]] inline Colors environment_radiance(const Environment& environment,
-                                                                const RayPacket& rays) {
+                                                                RayPacket rays) {
   Colors colors(Color{0});
   for (const int lane : lanes_in(rays.active))
     colors.set(lane, environment_radiance(environment, rays[lane]));
@@ -303,7 +304,11 @@ class HitPacket {
     }
   }
 
-  [[nodiscard]] Colors color() const { return material_.texture ? texture() : Colors(material_.diffuse); }
+  [[nodiscard]] Colors color() const {
+    if (!material_.texture) return material_.diffuse;
+    // Copies, so that the packet itself stays in registers.
+    return HitPacket(RayPacket(rays_), t, which_, surface_, material_, primitives_).texture();
+  }
 
   /// Returns the rays in these directions that leave the surface at the hits, at the times of the hits.
   [[nodiscard]] RayPacket leave(const Vectors& direction) const {
