@@ -74,7 +74,9 @@ inline void set_packet(Image& image, const Tile& tile, int x, int y, const Color
   Color* const pixels = &image(x, y);
   const int count = std::min(double_lanes, tile.x1 - x);
   if (count == double_lanes) return store_in_turn(pixels, colors.r, colors.g, colors.b);
-  for (int k = 0; k < count; ++k) pixels[k] = {colors.r[k], colors.g[k], colors.b[k]};
+  Color all[double_lanes];
+  store_in_turn(all, colors.r, colors.g, colors.b);
+  std::copy_n(all, count, pixels);
 }
 
 /// Gives the sums of so many samples of a packet's pixels, which are their sum number `which`, to the target.
