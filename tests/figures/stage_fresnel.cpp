@@ -1,4 +1,4 @@
-// Figures of the page about Fresnel's equations: light at the border of air and glass.
+// Figures of the pages about glass and Fresnel: light at the border of air and glass.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -133,6 +133,43 @@ void schlick_error(Drawing& drawing) {
   drawing.words({plot.at(4, 0).x, 110}, "out of glass, with θ′", Anchor::start, Paint::red);
 }
 
+/// Draws a row of people before they enter glass and after, with the ways of the first and the last of them.
+/// The piece of the border between their places of entry is the unit of length.
+void snell_row(Drawing& drawing) {
+  const Sketch sketch(drawing, {180, 144}, 260);
+  drawing.rectangle({10, 144}, 620, 156, Paint::blue, Fill::soft);
+  const double sine = std::sin(50 * std::numbers::pi / 180);
+  const Vec3 d = at_angle(-40);
+  const auto [passes, bent] = refracted(d, upwards, 1 / 1.5);
+  const Point first{0}, first_behind = first + sine / 1.5 * bent;
+  const Point last{1, 0, 0}, last_before = last - sine * d;
+  // Both rows are at a right angle to their ways.
+  expect(passes && std::abs(dot(last_before - first, d)) < 1e-12 &&
+             std::abs(dot(last - first_behind, bent)) < 1e-12,
+         "snell_row");
+  for (const auto& [from, to] : {std::pair{first, last_before}, std::pair{first_behind, last}}) {
+    sketch.line(from, to, Paint::green, Stroke::bold);
+    for (int i = 0; i <= 4; ++i) sketch.mark(from + i / 4.0 * (to - from), Paint::green);
+  }
+  sketch.arrow(last_before, last, Paint::blue, Stroke::bold);
+  sketch.arrow(first, first_behind, Paint::red, Stroke::bold);
+  sketch.line(last, last + 0.5 * upwards, Paint::gray, Stroke::dashed);
+  sketch.line(first, first - 0.5 * upwards, Paint::gray, Stroke::dashed);
+  sketch.angle(last, 0.3, -d, upwards, Paint::ink);
+  sketch.angle(first, 0.22, last - first, last_before - first, Paint::ink);
+  sketch.angle(first, 0.28, bent, -upwards, Paint::ink);
+  sketch.angle(last, 0.34, first - last, first_behind - last, Paint::ink);
+  sketch.words(last + 0.3 * normalize(upwards - d), {-2, -6}, "θ", Paint::ink, Anchor::middle);
+  sketch.words({0.22, 0, 0}, {10, -14}, "θ");
+  sketch.words(first + 0.28 * normalize(bent - upwards), {0, 20}, "θ′", Paint::ink, Anchor::middle);
+  sketch.words({0.66, 0, 0}, {-12, 24}, "θ′", Paint::ink, Anchor::end);
+  sketch.words(last - 0.85 * sine * d, {14, -4}, "sin θ", Paint::blue);
+  sketch.words(first_behind, {12, 18}, "sin θ′", Paint::red);
+  sketch.words({0.5, 0, 0}, {0, -8}, "1", Paint::ink, Anchor::middle);
+  drawing.words({624, 136}, "road", Anchor::end, Paint::gray);
+  drawing.words({624, 292}, "sand", Anchor::end, Paint::gray);
+}
+
 /// Draws a ray into glass with the field that swings in the plane of the drawing, and below it the parts of
 /// the fields along the surface. Their strengths are those of the light that comes, is mirrored and is bent.
 void draw_fields(Drawing& drawing, double middle, bool is_across, double degrees) {
@@ -183,6 +220,8 @@ void fresnel_fields(Drawing& drawing) {
 
 std::vector<StageFigure> fresnel_figures() {
   return {
+      {"snell_row", "12_glass", "A row of people that turns where they walk from a road into sand", 310,
+       snell_row},
       {"fresnel", "fresnel", "Curves of the mirrored share against the angle", 356, fresnel},
       {"fresnel_fields", "fresnel",
        "A ray into glass twice, with its fields and the sums of their parts along the surface", 424,
