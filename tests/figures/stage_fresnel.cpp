@@ -195,9 +195,10 @@ void draw_fields(Drawing& drawing, double middle, bool is_across, double degrees
     const Vec3 field = strengths[i] * Vec3{-towards.y, towards.x, 0};
     const Point at = i == 0 ? Point{0} - 0.9 * d : Point{0} + 0.9 * towards;
     sketch.arrow(at, at + 0.5 * field, paints[i], Stroke::bold);
-    // The other field leads into the drawing (s) or out of it (p).
-    sketch.mark(at, paints[i], is_across ? Fill::none : Fill::full);
-    if (is_across) sketch.cross(at, paints[i]);
+    // The other field leads into the drawing (s) or out of it (p), and the other way if it has turned around.
+    const bool leads_into = is_across == (strengths[i] > 0);
+    sketch.mark(at, paints[i], leads_into ? Fill::none : Fill::full);
+    if (leads_into) sketch.cross(at, paints[i]);
     parts[i] = field.x;
   }
   expect(passes && std::abs(parts[0] + parts[1] - parts[2]) < 1e-12, "fresnel_fields");
