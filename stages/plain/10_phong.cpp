@@ -93,7 +93,7 @@ const std::vector<Sphere> spheres{
     {{7, 5, 18}, 4, ivory},
 };
 
-// A light: a point that brings as much light to every distance.
+// A light: a point that brings the same light to every distance.
 struct Light {
   Point position;
   double intensity;

@@ -96,7 +96,7 @@ const std::vector<Sphere> spheres{
     {{7, 5, 18}, 4, glass},
 };
 
-// A light: a point that brings as much light to every distance.
+// A light: a point that brings the same light to every distance.
 struct Light {
   Point position;
   double intensity;
