@@ -154,6 +154,30 @@ TEST_CASE("enclosures contain exact quotients, and are all numbers if the diviso
   CHECK(divided > 2000);
 }
 
+TEST_CASE("enclosures contain quotients of the smallest numbers") {
+  // Low parts of the long division underflow; the remainders that are left are divided by little numbers.
+  Random random(13);
+  WrongCases wrong(random);
+  for (int i = 0; i < 10000; ++i) {
+    const auto any = [&](int least, int most) {
+      const double x =
+          std::ldexp(random.real(1, 2), -least - static_cast<int>(std::abs(random.whole(most - least))));
+      return fast_two_sum(x, x * random.real(-0x1p-54, 0x1p-54));
+    };
+    const DoubleDouble a = any(950, 1020), b = any(100, 500);
+    const auto is_in = [&](const Enclosure<DoubleDouble>& e, exact::Quad x) {
+      const exact::Quad share = exact::Quad(0x1p-110);
+      return quad(e.lower) <= x * (1 + share) && x * (1 - share) <= quad(e.upper);
+    };
+    const auto at = [](DoubleDouble x) { return Enclosure<DoubleDouble>::at(x); };
+    wrong.add(!is_in(at(a) / at(b), quad(a) / quad(b)), a.hi, b.hi);
+    wrong.add(!is_in(at(a) / b.hi, quad(a) / b.hi), a.hi, b.hi);
+    const DoubleDouble largest = any(940, 949);
+    wrong.add(!is_in(unit_component(at(a), at(largest)), quad(a) / quad(largest)), a.hi, largest.hi);
+  }
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("repetitions are exact, but for kinks and jumps inside an interval") {
   const auto folded = [](const auto& a, const auto&) { return fold(a); };
   check_containment<double>("fold", 60, folded);

@@ -66,10 +66,10 @@ struct Enclosure {
   friend Enclosure operator/(const Enclosure& a, const Enclosure& b) {
     const Enclosure quotient =
         spanned(a, b, a.lower / b.lower, a.lower / b.upper, a.upper / b.lower, a.upper / b.upper);
-    return select(b.contains(B(0.0)), whole(), quotient);
+    return select(b.may_be_tiny(), whole(), quotient);
   }
   friend Enclosure operator/(const Enclosure& a, double b) {
-    return b == 0 ? whole() : scaled(a, b, a.lower / B(b), a.upper / B(b));
+    return std::abs(b) <= rounding::least_divisor<B> ? whole() : scaled(a, b, a.lower / B(b), a.upper / B(b));
   }
 
   friend Enclosure min(const Enclosure& a, const Enclosure& b) {
@@ -174,10 +174,11 @@ struct Enclosure {
   /// limit.
   friend Enclosure unit_component(const Enclosure& a, const Enclosure& length, const B& largest = B(1.0)) {
     const B zero(0.0), least = a.lower, most = a.upper;
-    const B low = rounding::below(least / rounding::select(least < zero, length.lower, length.upper),
-                                  rounding::underflow<B>);
-    const B high = rounding::above(most / rounding::select(zero < most, length.lower, length.upper),
-                                   rounding::underflow<B>);
+    const auto over = [&](const B& end, Truth by_lower) {
+      return end / or_zero(rounding::select(by_lower, length.lower, length.upper));
+    };
+    const B low = rounding::below(over(least, least < zero), rounding::underflow<B>);
+    const B high = rounding::above(over(most, zero < most), rounding::underflow<B>);
     return {rounding::max(rounding::select(zero <= least, zero, -largest), low),
             rounding::min(rounding::select(most <= zero, zero, largest), high)};
   }
@@ -194,6 +195,21 @@ struct Enclosure {
   }
 
  private:
+  /// Tests whether it contains a number by which a quotient may have any error: 0, or a tiny one.
+  [[nodiscard]] Truth may_be_tiny() const {
+    constexpr double least = rounding::least_divisor<B>;
+    return lower <= B(least) && B(-least) <= upper;
+  }
+
+  /// Returns a divisor that is not negative; 0 for a tiny one, so that the quotient is not known.
+  static B or_zero(const B& divisor) {
+    constexpr double least = rounding::least_divisor<B>;
+    if constexpr (least == 0)
+      return divisor;
+    else
+      return rounding::select(divisor < B(least), B(0.0), divisor);
+  }
+
   /// Tests whether an integer is even.
   static Truth is_even(const B& x) {
     const B half = x * B(0.5);

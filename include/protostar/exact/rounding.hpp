@@ -154,6 +154,14 @@ inline constexpr double underflow = 0x1p-1022;
 template <>
 inline constexpr double underflow<DoubleDouble> = 0x1p-900;
 
+/// Least magnitude of a divisor whose quotients have no larger error by underflow. In double, any: only the
+/// quotient underflows. In double-double, products of the long division do, too, each by less than 2^-1073;
+/// their sum, less than 2^-1060, is divided by the divisor.
+template <class B>
+inline constexpr double least_divisor = 0;
+template <>
+inline constexpr double least_divisor<DoubleDouble> = 0x1p-160;
+
 /// Largest error of a root by underflow. The root of a double-double below 2^-900 is as good as its double,
 /// off by less than 2^-52 · 2^-450.
 template <class B>
