@@ -58,9 +58,6 @@ class EnvironmentLight {
             "again");
   }
 
-  /// Returns true if no light comes from the environment.
-  [[nodiscard]] bool is_dark() const { return is_dark_; }
-
   /// Returns true if some directions are better than others; only then they are drawn, and have a density.
   [[nodiscard]] bool has_places() const { return !heights_.empty(); }
 
@@ -113,9 +110,8 @@ class EnvironmentLight {
                      share = solid_angle(static_cast<std::size_t>(y)) / (4 * std::numbers::pi);
         mean_light += share * light, mean_square += share * light * light;
       }
-    const bool is_black_there = !(mean_light > 0);  // a function may be bright elsewhere
-    if (mean_square <= 8 / 3.0 * mean_light * mean_light && (even == 0 || !is_black_there)) {
-      is_dark_ = is_black_there;
+    const bool may_hide_light = even != 0 && !(mean_light > 0);  // a function may be bright elsewhere
+    if (mean_square <= 8 / 3.0 * mean_light * mean_light && !may_hide_light) {
       heights_.clear();
       return;
     }
@@ -142,7 +138,6 @@ class EnvironmentLight {
   }
 
   std::size_t environments_ = 0;
-  bool is_dark_ = true;
   int columns_ = 1;
   std::vector<double> heights_;  ///< 1 − cos θ at the edges of rows, θ from straight up; empty without cells
   GridShares cells_;
@@ -152,11 +147,9 @@ class EnvironmentLight {
 template <class S>
 EnvironmentLight::EnvironmentLight(const S& scene) {
   if constexpr (requires { scene.environments(); }) environments_ = scene.environments();
-  if constexpr (requires { scene.sky(); }) is_dark_ = is_black(scene.sky().value_or(Color{0}));
   if constexpr (requires { scene.environment(); }) {
     const Environment& environment = scene.environment();
     if (!environment) return;
-    is_dark_ = false;
     if (const auto* shown = environment.by_uv().template target<EnvironmentImage>())
       use(*shown->image, 0);
     else
