@@ -50,7 +50,7 @@ const std::set<std::string> on_demand = {
     "sampling/shard.hpp",
     "sampling/shard_file.hpp",
     "area_lights.hpp",
-    "prepared_scene.hpp",
+    "scene_identity.hpp",
     "environment_image.hpp",
     "texture_image.hpp",
     "environment_light.hpp",

@@ -212,7 +212,7 @@ TEST_CASE("queries of a mesh for many rays answer each ray as a query by itself"
           first[k] = crossing;
           ++told[k];
         });
-        mesh.are_met(count, ray, range, [&](std::size_t k, bool met) {
+        mesh.any_hits(count, ray, range, [&](std::size_t k, bool met) {
           any_hit[k] = met;
           ++told[k];
         });

@@ -126,9 +126,9 @@ TEST_CASE("tangents lead where u grows and v stays, and where v grows and u stay
     REQUIRE(has_tangents(surface));
     const auto scene = scene_of(surface, Material{});
     const Intersection hit = hit_of(scene, ray);
-    const Tangents along = surface.tangents_at(hit.point(), hit.part());
+    const Tangents along = surface.tangents_at(hit.point(), hit.primitive());
     const auto moved_by = [&, &surface = surface](const Vec3& way) {
-      return surface.uv_at(hit.point() + 1e-6 / length(way) * way, hit.part()) - hit.uv();
+      return surface.uv_at(hit.point() + 1e-6 / length(way) * way, hit.primitive()) - hit.uv();
     };
     const Uv by_u = moved_by(along.u), by_v = moved_by(along.v);
     CHECK(std::abs(dot(hit.normal(), along.u)) < 1e-12 * length(along.u));
@@ -145,7 +145,7 @@ TEST_CASE("a normal map tilts the normal along u, and at a right angle to it on 
     CAPTURE(name);
     const auto scene = scene_of(surface, Material{});
     const Intersection hit = hit_of(scene, ray);
-    const auto [u, v] = surface.tangents_at(hit.point(), hit.part());
+    const auto [u, v] = surface.tangents_at(hit.point(), hit.primitive());
     const Vec3 n = hit.normal(), t = normalize(u);
     const Vec3 right = cross(n, t), b = dot(right, v) > 0 ? right : -right;
     CHECK(is_near(mapped_normal_of(surface, ray, constant({3, 0, 4})), 0.6 * t + 0.8 * n));

@@ -22,9 +22,9 @@
 #include "irradiance.hpp"
 #include "light.hpp"
 #include "light_at_hit.hpp"
-#include "prepared_scene.hpp"
 #include "sampling/solid_angle.hpp"
 #include "scene.hpp"
+#include "scene_identity.hpp"
 #include "surfaces/disk.hpp"
 #include "surfaces/mesh.hpp"
 #include "surfaces/moving.hpp"
@@ -96,7 +96,7 @@ class AreaLight {
 
   /// Returns true if a hit is on this light, on the given primitive of it.
   [[nodiscard]] bool is_hit(const Intersection& hit, std::size_t triangle) const {
-    return hit.surface() == surface_ && static_cast<std::size_t>(hit.part()) == triangle;
+    return hit.surface() == surface_ && static_cast<std::size_t>(hit.primitive()) == triangle;
   }
 
   /// Returns the density with which sample draws the direction from a point to a hit on this light: alike by
@@ -105,7 +105,7 @@ class AreaLight {
     const Point at_rest = motion_.at_rest(from, hit.time());
     return visit([&]<class T>(const T& shape) {
       if constexpr (std::is_same_v<T, Triangles>)
-        return shape.light.density(at_rest, static_cast<std::size_t>(hit.part()));
+        return shape.light.density(at_rest, static_cast<std::size_t>(hit.primitive()));
       else
         return 1 / view(shape, at_rest).solid_angle();
     });
@@ -339,7 +339,7 @@ class AreaLights {
     return std::less<>{}(a.first, b.first);
   }
 
-  PreparedScene scene_;
+  SceneIdentity scene_;
   std::vector<AreaLight> lights_;
   std::size_t others_ = 0;
   bool has_rectangles_ = false;

@@ -48,11 +48,11 @@ class EnvironmentLight {
   explicit EnvironmentLight(const S& scene);
 
   /// Throws std::logic_error if a scene has been given another environment than it had when this was made. A
-  /// view of a scene that does not tell, by environments(), is taken for the one that it had. A sky may
-  /// change: no direction is better than others, before or after.
+  /// view of a scene that does not tell, by environment_version(), is taken for the one that it had. A sky
+  /// may change: no direction is better than others, before or after.
   void require(const auto& scene) const {
-    if constexpr (requires { scene.environments(); })
-      if (scene.environments() != environments_) [[unlikely]]
+    if constexpr (requires { scene.environment_version(); })
+      if (scene.environment_version() != environment_version_) [[unlikely]]
         throw std::logic_error(
             "EnvironmentLight: the scene has been given another environment since it was made; make it "
             "again");
@@ -137,7 +137,7 @@ class EnvironmentLight {
     return 2 * std::numbers::pi / columns_ * (heights_[row + 1] - heights_[row]);
   }
 
-  std::size_t environments_ = 0;
+  std::size_t environment_version_ = 0;
   int columns_ = 1;
   std::vector<double> heights_;  ///< 1 − cos θ at the edges of rows, θ from straight up; empty without cells
   GridShares cells_;
@@ -146,7 +146,7 @@ class EnvironmentLight {
 // Not inline, so that programs may compile it once for a scene type: `extern template`.
 template <class S>
 EnvironmentLight::EnvironmentLight(const S& scene) {
-  if constexpr (requires { scene.environments(); }) environments_ = scene.environments();
+  if constexpr (requires { scene.environment_version(); }) environment_version_ = scene.environment_version();
   if constexpr (requires { scene.environment(); }) {
     const Environment& environment = scene.environment();
     if (!environment) return;

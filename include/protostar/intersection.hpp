@@ -103,8 +103,8 @@ class Intersection {
 
   Intersection(const Ray& ray, const SurfaceCrossing& on) : t(on.crossing.t), ray_(ray), on_(on) {}
 
-  /// Returns the point of the ray at t, with t limited to 2^440 (farthest_point).
-  [[nodiscard]] Point point() const { return ray_.at(std::min(t, farthest_point)); }
+  /// Returns the point of the ray at t, with t limited to 2^440 (most_t).
+  [[nodiscard]] Point point() const { return ray_.at(std::min(t, most_t)); }
 
   /// Returns the direction of the ray.
   [[nodiscard]] const Vec3& direction() const { return ray_.direction; }
@@ -116,7 +116,7 @@ class Intersection {
   /// calls its outside (§2.3.1). On a mesh with vertex normals it is interpolated from these and differs from
   /// the triangle's geometric normal.
   [[nodiscard]] Vec3 surface_normal() const {
-    return on_.functions->normal_at(on_.surface, at_rest(), part());
+    return on_.functions->normal_at(on_.surface, at_rest(), primitive());
   }
 
   /// Returns surface_normal() and the shading normal, which the material's normal map tilts, both on the
@@ -125,8 +125,8 @@ class Intersection {
     Normals<Vec3> n{.surface = surface_normal(), .shading = {}};
     n.shading = copied(n.surface);
     if (material().normal_map) [[unlikely]] {
-      n.shading =
-          mapped_normal(material().normal_map, on_.surface, *on_.functions, at_rest(), part(), n.surface);
+      n.shading = mapped_normal(material().normal_map, on_.surface, *on_.functions, at_rest(), primitive(),
+                                n.surface);
       n.is_mapped = true;
     }
     return n;
@@ -155,17 +155,17 @@ class Intersection {
 
   /// Returns the index of the primitive that is hit, as the surface counts them; 0 for a surface without
   /// primitives.
-  [[nodiscard]] int part() const { return on_.crossing.primitive; }
+  [[nodiscard]] int primitive() const { return on_.crossing.primitive; }
 
   /// Returns the surface's material.
   [[nodiscard]] const Material& material() const { return *on_.material; }
 
   /// Returns the surface coordinates u and v; 0 and 0 on a surface that has none.
-  [[nodiscard]] Uv uv() const { return on_.functions->uv_at(on_.surface, at_rest(), part()); }
+  [[nodiscard]] Uv uv() const { return on_.functions->uv_at(on_.surface, at_rest(), primitive()); }
 
   /// Returns the directions of these coordinates; 0 and 0 on a surface that does not know them.
   [[nodiscard]] Tangents tangents() const {
-    return on_.functions->tangents_at(on_.surface, at_rest(), part());
+    return on_.functions->tangents_at(on_.surface, at_rest(), primitive());
   }
 
   /// Returns the surface's color here: its material's texture at (u, v), or the diffuse color if there is
@@ -181,7 +181,7 @@ class Intersection {
   [[nodiscard]] Ray leave(const Vec3& direction) const {
     return {.origin = point(),
             .direction = direction,
-            .departure = on_.functions->departure(on_.surface, part()),
+            .departure = on_.functions->departure(on_.surface, primitive()),
             .time = ray_.time};
   }
 

@@ -24,7 +24,7 @@ inline constexpr double least_size = 0x1p-400;
 /// Largest t of a point on a ray, about 2.8e132 for a unit direction: points farther along it are taken to be
 /// there. Hence the points of a path of 1000 rays have coordinates below 2^451, and the largest numbers made
 /// of them, products with coordinates, quotients with sizes, and squares of distances, are below 2^907.
-inline constexpr double farthest_point = 0x1p440;
+inline constexpr double most_t = 0x1p440;
 
 /// Wording of the rule for error messages.
 inline constexpr const char* coordinate_rule = "at most 2^400 (2.6e120) in magnitude";

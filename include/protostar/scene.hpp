@@ -242,7 +242,7 @@ class Scene<S...> {
       throw std::invalid_argument(
           "Scene::set_environment: environment must be a function that can be called");
     environment_ = std::move(environment);
-    ++environments_;
+    ++environment_version_;
   }
 
   /// Returns the closest hit in the range, if there is one. The order is exact between surfaces with an
@@ -292,7 +292,7 @@ class Scene<S...> {
 
   /// Returns a version number of the environment: 0 at first, one more after each set_environment.
   /// EnvironmentLight compares it to detect that its environment has been replaced.
-  [[nodiscard]] std::size_t environments() const { return environments_; }
+  [[nodiscard]] std::size_t environment_version() const { return environment_version_; }
 
   /// Returns the number of surfaces.
   [[nodiscard]] std::size_t size() const { return (std::size_t{0} + ... + surfaces<S>().size()); }
@@ -366,7 +366,7 @@ class Scene<S...> {
   Color ambient_{0};
   std::optional<Color> sky_;
   Environment environment_;
-  std::size_t environments_ = 0;
+  std::size_t environment_version_ = 0;
 };
 
 /// Scene that names a type which is no surface: it stops the compiler, with a sentence on each member that

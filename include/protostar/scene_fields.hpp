@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "march/march_steps.hpp"
-#include "prepared_scene.hpp"
 #include "scene.hpp"
+#include "scene_identity.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -89,7 +89,7 @@ class SceneMarches {
                }});
   }
 
-  PreparedScene scene_;
+  SceneIdentity scene_;
   std::vector<Field> fields_;
 };
 
@@ -144,7 +144,7 @@ class SceneDistances {
     }
   }
 
-  PreparedScene scene_;
+  SceneIdentity scene_;
   std::vector<Field> fields_;
 };
 

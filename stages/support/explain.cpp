@@ -73,11 +73,11 @@ HitRecord ExplainedScene::recorded(const Intersection& hit, std::size_t surface)
                    .point = hit.point(),
                    .normal = outside.surface,
                    .facing_normal = facing.surface,
-                   .part = hit.part(),
+                   .part = hit.primitive(),
                    .uv = hit.uv(),
                    .color = hit.color(),
                    .material = hit.material(),
-                   .primitive = surfaces_[surface].primitive(hit.part())};
+                   .primitive = surfaces_[surface].primitive(hit.primitive())};
   if (const NormalMap& map = hit.material().normal_map)
     record.mapped = {.direction = map(record.uv.x, record.uv.y),
                      .tangents = hit.tangents(),

@@ -398,7 +398,7 @@ Tally judged(const Shape& shape, Random& random, std::uint64_t count) {
     ++tally.misjudged;
     report(model, rays[i]);
   };
-  model.mesh.are_met(rays.size() / 8, ray, {}, compare);
+  model.mesh.any_hits(rays.size() / 8, ray, {}, compare);
 
   for (std::size_t i = 0; i < rays.size(); ++i) {
     const Judge judge(model, aims[i]);

@@ -202,7 +202,7 @@ void judge(Tally& tally, const char* family, const Model& model, const S& scene,
   ++tally.rays;
   bool right = is_right(family, model, scene, ray, {});
   if (const auto hit = scene.intersect(ray)) {
-    const Leaves left{surface_of(*hit), hit->part()};
+    const Leaves left{surface_of(*hit), hit->primitive()};
     right = is_right(family, model, scene, hit->leave(ray.direction), left) && right;
     ++tally.crossings;
     for (int light = 0; light < 2; ++light) {

@@ -263,8 +263,8 @@ class HitPacket {
             const Primitives& primitives = {})
       : t(at), rays_(rays), which_(which), surface_(surface), material_(material), primitives_(primitives) {}
 
-  /// Returns the points of the rays at t, with t limited to 2^440 (farthest_point).
-  [[nodiscard]] Vectors point() const { return rays_.at(min(t, farthest_point)); }
+  /// Returns the points of the rays at t, with t limited to 2^440 (most_t).
+  [[nodiscard]] Vectors point() const { return rays_.at(min(t, most_t)); }
 
   /// Returns the directions of the rays.
   [[nodiscard]] const Vectors& direction() const { return rays_.direction; }

@@ -38,7 +38,7 @@ class TileScene : public HitsAmongFew<S...> {
 
   // Members of Scene beyond those of Traceable.
   [[nodiscard]] std::size_t size() const { return scene_.size(); }
-  [[nodiscard]] std::size_t environments() const { return scene_.environments(); }
+  [[nodiscard]] std::size_t environment_version() const { return scene_.environment_version(); }
   template <class T>
   [[nodiscard]] const SceneVector<T>& surfaces() const {
     return scene_.template surfaces<T>();

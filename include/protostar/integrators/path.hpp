@@ -46,7 +46,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 struct PathIntegrator : FirstHit<PathIntegrator> {
   using FollowsPaths = PathIntegrator;  ///< those of several pixels together (accel/packet_integrator.hpp)
 
-  /// Largest depth. It bounds the time of a sample, and the coordinates of points (farthest_point).
+  /// Largest depth. It bounds the time of a sample, and the coordinates of points (most_t).
   static constexpr int most_depth = 1000;
 
   /// Number of bounces after which Russian roulette ends paths by chance. Those that go on get the weight of

@@ -135,7 +135,7 @@ class Mesh {
 
   /// Tests many rays for any hit in the range, the k-th of `count` being ray(k), and calls tell(k, bool) for
   /// each, in any order. Interleaved like first_crossings.
-  void are_met(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
+  void any_hits(std::size_t count, const auto& ray, Interval range, const auto& tell) const {
     contents_->tree.answer_each(
         count,
         [&](std::size_t k) {

@@ -11,10 +11,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 /// Identity of a scene when data such as its area lights were derived from it: the address of its lights and
 /// its number of surfaces. Surfaces replaced in equal number, and added lights, are not noticed.
-class PreparedScene {
+class SceneIdentity {
  public:
   template <Surface... S>
-  explicit PreparedScene(const Scene<S...>& scene) : lights_(&scene.lights()), surfaces_(scene.size()) {}
+  explicit SceneIdentity(const Scene<S...>& scene) : lights_(&scene.lights()), surfaces_(scene.size()) {}
 
   /// Throws std::logic_error if the scene, or the scene behind a view, is not the recorded one or, for
   /// arguments with size(), has another number of surfaces. `prepared` begins the message and is a plural
