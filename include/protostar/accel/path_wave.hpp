@@ -19,6 +19,7 @@
 #include "../pixel_grid.hpp"
 #include "../sampling/pixel_sampler.hpp"
 #include "../sampling/warp_lanes.hpp"
+#include "../simd/prefetch.hpp"
 #include "../simd/words.hpp"
 #include "packet.hpp"
 #include "packet_integrator.hpp"
@@ -102,10 +103,12 @@ class PathWave {
             [&](std::size_t lane) { return &hits_[on_the_way_[first + lane]]; });
         for (std::size_t lane = 0; lane < some; ++lane) {
           const std::size_t k = on_the_way_[first + lane];
-          if (hits_[k])
+          if (hits_[k]) {
             on_the_way_[on_the_way++] = k;
-          else
+            prefetch_whole(hits_[k]->material());  // until the path's next step
+          } else {
             finish(k, integrator.leave(paths_[k], scene));
+          }
         }
       }
       count_ = on_the_way;

@@ -329,7 +329,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
                         ? MirrorLobe{to_float(material.reflect)}.sample(at.vertex)
                         : GlassLobe{to_float(material.refract), material.ior}.sample(at.vertex, number);
     if (lobe == Lobe::glossy) onward.weighed_density *= share / whole;
-    onward.weight = times(onward.weight, whole / share);
+    if (share != whole) onward.weight = times(onward.weight, whole / share);
     return onward;
   }
 
