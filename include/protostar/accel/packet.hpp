@@ -76,7 +76,7 @@ struct RayPacket {
   Departure departure;             ///< geometry that all rays leave; none if `departed` is a surface
   const void* departed = nullptr;  ///< surface of which each ray leaves a primitive; null for other rays
   const SurfaceFunctions* functions = nullptr;  ///< functions of that surface
-  Indices departed_primitives;                  ///< indices of those primitives; not set for other rays
+  Indices departed_primitives = 0;              ///< indices of those primitives; 0 for other rays
   Doubles time = 0.0;                           ///< Ray::time
 
   /// Sets the members; constructors, since g++ clears an aggregate as a whole before it fills it.
