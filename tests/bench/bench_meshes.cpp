@@ -91,7 +91,7 @@ class Contest {
     row_of_many("occlusion", segments, &Embree::any,
                 [&](std::size_t count, const auto& ray, const auto& tell) {
                   mesh_.any_hits(count, ray, {0, 1},
-                                [&](std::size_t k, bool met) { tell(k, met ? Index{0} : bench::nothing); });
+                                 [&](std::size_t k, bool met) { tell(k, met ? Index{0} : bench::nothing); });
                 });
   }
 
