@@ -155,7 +155,7 @@ TEST_CASE("enclosures contain exact quotients, and are all numbers if the diviso
 }
 
 TEST_CASE("enclosures contain quotients of the smallest numbers") {
-  // Low parts of the long division underflow; the remainders that are left are divided by little numbers.
+  // Low parts of the long division underflow; the remainders that are left are divided by small numbers.
   Random random(13);
   WrongCases wrong(random);
   for (int i = 0; i < 10000; ++i) {

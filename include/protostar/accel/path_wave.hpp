@@ -105,7 +105,7 @@ class PathWave {
           const std::size_t k = on_the_way_[first + lane];
           if (hits_[k]) {
             on_the_way_[on_the_way++] = k;
-            prefetch_whole(hits_[k]->material());  // until the path's next step
+            prefetch_whole(hits_[k]->material());  // read at the path's next vertex
           } else {
             finish(k, integrator.leave(paths_[k], scene));
           }

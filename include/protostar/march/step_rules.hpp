@@ -20,7 +20,7 @@ struct StepRules {
   static constexpr double worth_balls = 128;
 
   /// Share of the field's extent below which a ball is slow, and the most slow balls before segments take
-  /// over, each of which costs as much as four to seven values.
+  /// over, each of which takes as long as several values.
   static constexpr double slow_ball = 0.02;
   static constexpr int most_slow = 40;
 
