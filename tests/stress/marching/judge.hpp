@@ -2,6 +2,7 @@
 // 0 behind it, or above 0 all along, or that neither is so.
 #pragma once
 
+#include <optional>
 #include <protostar/march/hit_proof.hpp>
 #include <utility>
 #include <vector>
@@ -27,35 +28,57 @@ struct Claim {
   protostar::MarchedRoot root;
 };
 
+/// Range of a ray from its origin, or from the place where it enters, that has no root, and the sign there.
+struct Start {
+  double t;
+  bool is_negative;
+};
+
+/// Limits of what numbers T are asked before others with more digits are.
+struct Tier {
+  double least_start;  ///< of rays that leave
+  int most_steps;      ///< of a subdivision
+  double least_width;  ///< of its parts
+};
+template <class T>
+inline constexpr Tier tier{1e-30, 20000, 0x1p-95};
+template <>
+inline constexpr Tier tier<double>{1e-12, 400, 0x1p-30};
+template <>
+inline constexpr Tier tier<long double>{1e-15, 60, 0x1p-40};
+
+enum class Sign { positive, negative, unknown, along };
+
+/// Parts of a ray, each from one parameter to another.
+template <class T>
+using Parts = std::vector<std::pair<T, T>>;
+
 /// A truth along a ray, turned so that it is above 0 at first.
 template <class Truth, class T>
 class TrueLine {
  public:
-  enum class Sign { positive, negative, unknown, along };
+  TrueLine(const Truth& truth, const Claim& claim, const Range<Quad>& level)
+      : truth_(truth),
+        ray_(claim.ray),
+        level_(Range<T>::from(level)),
+        begin_(claim.begin),
+        leaves_(claim.leaves) {}
 
-  TrueLine(const Truth& truth, const Claim& claim)
-      : truth_(truth), ray_(claim.ray), begin_(claim.begin), leaves_(claim.leaves) {
-    if (leaves_) level_ = Range<T>::from(over<Quad>(0, 0, {}).v);
-  }
-
-  /// Turns the truth, and returns the end of what lies before the first root for certain: `begin`, or for a
-  /// ray that leaves the surface a parameter up to which the slope is above 0. Returns a negative number if
-  /// no sign is certain.
-  [[nodiscard]] T start(T end) {
-    const auto turned = [&](const Range<T>& x) {
-      is_negative_ = x.hi < 0;
-      return x.lo > 0 || x.hi < 0;
+  /// Returns the end of what lies before the first root for certain: `begin`, or for a ray that leaves the
+  /// surface a parameter up to which the slope has one sign. Returns nothing if no sign is certain.
+  [[nodiscard]] std::optional<Start> start(double end) const {
+    const auto start_if_signed = [](double t, const Range<T>& x) {
+      return x.lo > 0 || x.hi < 0 ? std::optional(Start{t, x.hi < 0}) : std::nullopt;
     };
-    if (!leaves_) return turned(at(begin_, begin_).v) ? begin_ : T(-1);
-    for (T h = end; h > (std::same_as<T, double> ? T(1e-12) : T(1e-30)); h /= 8)
-      if (turned(at(0, h).s)) return h;
-    return -1;
+    if (!leaves_) return start_if_signed(begin_, at(T(begin_), T(begin_)).v);
+    for (double h = end; h > tier<T>.least_start; h /= 8)
+      if (const auto found = start_if_signed(h, at(T(0), T(h)).s)) return found;
+    return {};
   }
   void turn(bool is_negative) { is_negative_ = is_negative; }
-  [[nodiscard]] bool is_turned() const { return is_negative_; }
 
   [[nodiscard]] Along<T> at(T a, T b) const {
-    const Along<T> f = over<T>(a, b, level_);
+    const Along<T> f = over(a, b);
     return is_negative_ ? -f : f;
   }
 
@@ -66,10 +89,9 @@ class TrueLine {
   }
 
   /// Returns `positive` if the truth is above 0 all over the parts, and `negative` if it is below 0
-  /// somewhere. Parts that are not decided are left, the others taken.
-  [[nodiscard]] Sign sign_over(std::vector<std::pair<T, T>>& parts) const {
-    constexpr bool is_quick = std::same_as<T, double>;
-    std::vector<std::pair<T, T>> open;
+  /// somewhere. Parts that are not decided are left, neighbors as one, and the others taken.
+  [[nodiscard]] Sign sign_over(Parts<T>& parts) const {
+    Parts<T> open;
     Sign sign = Sign::positive;
     for (int i = 0; !parts.empty(); ++i) {
       const auto [a, b] = parts.back();
@@ -78,10 +100,12 @@ class TrueLine {
       if (here == Sign::positive) continue;
       if (here == Sign::negative) return here;
       const T middle = (a + b) / 2;
-      if (here == Sign::along || i > (is_quick ? 400 : 20000) ||
-          b - a < (is_quick ? T(0x1p-30) : T(0x1p-95))) {
+      if (here == Sign::along || i > tier<T>.most_steps || b - a < T(tier<T>.least_width)) {
         if (sign != Sign::along) sign = here;
-        open.push_back({a, b});
+        if (!open.empty() && open.back().second == a)
+          open.back().second = b;
+        else
+          open.push_back({a, b});
         continue;
       }
       parts.push_back({middle, b});
@@ -92,14 +116,13 @@ class TrueLine {
   }
 
  private:
-  template <class N>
-  [[nodiscard]] Along<N> over(N a, N b, const Range<N>& level) const {
-    const Range<N> t{a, b};
+  [[nodiscard]] Along<T> over(T a, T b) const {
+    const Range<T> t{a, b};
     const auto coordinate = [&](int k) {
-      const Range<N> o(N(ray_.origin[k])), d(N(ray_.direction[k]));
-      return Along<N>{t.is_zero() ? o : o + t * d, d};
+      const Range<T> o(T(ray_.origin[k])), d(T(ray_.direction[k]));
+      return Along<T>{t.is_zero() ? o : o + t * d, d};
     };
-    return truth_(coordinate(0), coordinate(1), coordinate(2)) - Along<N>{level, {}};
+    return truth_(coordinate(0), coordinate(1), coordinate(2)) - Along<T>{level_, {}};
   }
 
   /// Returns the sign over [a, b]. It is above 0 if its values are, or it is at both ends and the slopes,
@@ -125,11 +148,12 @@ class TrueLine {
   const Truth& truth_;
   const protostar::Ray& ray_;
   Range<T> level_;
-  T begin_;
+  double begin_;
   bool leaves_, is_negative_ = false;
 };
 
-/// Judge of the claims about one truth, first in double, and where that does not tell, in Quad.
+/// Judge of the claims about one truth, in double; where that does not tell, in long double; and where that
+/// does not tell either, in Quad.
 template <class Truth>
 class Judge {
  public:
@@ -137,19 +161,13 @@ class Judge {
 
   [[nodiscard]] Verdict verdict(const Claim& claim) const {
     using Answer = protostar::MarchedRoot::Answer;
-    using Sign = typename TrueLine<Truth, double>::Sign;
-    Lines lines{{truth_, claim}, {truth_, claim}};
-    Quad start = lines.quick.start(claim.end);
-    if (start >= 0) {
-      lines.precise.turn(lines.quick.is_turned());
-    } else {
-      start = lines.precise.start(claim.end);
-      if (start < 0) return lines.precise.at(0, Quad(1e-30)).s.is_zero() ? Verdict::along : Verdict::unknown;
-      lines.quick.turn(lines.precise.is_turned());
-    }
+    Lines lines(truth_, claim);
+    const std::optional<Start> start = lines.start(claim.end);
+    if (!start) return lines.precise.at(0, Quad(1e-30)).s.is_zero() ? Verdict::along : Verdict::unknown;
+    lines.turn(start->is_negative);
     const bool is_hit = claim.root.answer == Answer::hit;
     const auto not_told = [](Sign sign) { return sign == Sign::along ? Verdict::along : Verdict::unknown; };
-    switch (const Sign sign = over(lines, start, is_hit ? claim.root.min : claim.end)) {
+    switch (const Sign sign = lines.sign_over(start->t, is_hit ? claim.root.min : claim.end)) {
       case Sign::positive:
         break;
       case Sign::negative:
@@ -158,11 +176,10 @@ class Judge {
         return not_told(sign);
     }
     if (!is_hit) return Verdict::right;
-    Sign behind = lines.quick.sign_at(claim.root.max);
-    if (behind == Sign::unknown) behind = sign_of(lines.precise.sign_at(claim.root.max));
+    const Sign behind = lines.sign_at(claim.root.max);
     if (behind == Sign::negative) return Verdict::right;
     if (behind == Sign::unknown) return Verdict::unknown;
-    const Sign rest = over(lines, start, claim.end);
+    const Sign rest = lines.sign_over(start->t, claim.end);
     return rest == Sign::positive   ? Verdict::not_there
            : rest == Sign::negative ? Verdict::off
                                     : not_told(rest);
@@ -172,45 +189,55 @@ class Judge {
   /// ray lies in a face.
   [[nodiscard]] bool runs_in_surface(const Claim& claim) const {
     const Quad t = claim.root.max, more = Quad(0x1p-40);
-    const Along<Quad> f = TrueLine<Truth, Quad>(truth_, claim).at(t + more, t + 2 * more);
+    const Along<Quad> f = Lines(truth_, claim).precise.at(t + more, t + 2 * more);
     return f.s.is_zero() && f.v.lo <= 0 && 0 <= f.v.hi;
   }
 
   /// Returns the magnitude of the truth at a parameter, at most.
   [[nodiscard]] double largest_at(const Claim& claim, double t) const {
-    const Range<Quad> v = TrueLine<Truth, Quad>(truth_, claim).at(t, t).v;
+    const Range<Quad> v = Lines(truth_, claim).precise.at(t, t).v;
     return static_cast<double>(std::max(-v.lo, v.hi));
   }
 
  private:
+  /// A truth along a ray in numbers of three precisions, of which each is asked what the ones before it do
+  /// not tell.
   struct Lines {
     TrueLine<Truth, double> quick;
+    TrueLine<Truth, long double> finer;
     TrueLine<Truth, Quad> precise;
+
+    Lines(const Truth& truth, const Claim& claim) : Lines(truth, claim, level_of(truth, claim)) {}
+    Lines(const Truth& truth, const Claim& claim, const Range<Quad>& level)
+        : quick(truth, claim, level), finer(truth, claim, level), precise(truth, claim, level) {}
+
+    [[nodiscard]] std::optional<Start> start(double end) const {
+      const std::optional<Start> start = quick.start(end);
+      return start ? start : precise.start(end);
+    }
+    void turn(bool is_negative) {
+      quick.turn(is_negative), finer.turn(is_negative), precise.turn(is_negative);
+    }
+    [[nodiscard]] Sign sign_at(double t) const {
+      Sign sign = quick.sign_at(t);
+      if (sign == Sign::unknown) sign = finer.sign_at(t);
+      return sign == Sign::unknown ? precise.sign_at(t) : sign;
+    }
+    [[nodiscard]] Sign sign_over(double from, double to) const {
+      if (!(from < to)) return Sign::positive;
+      const auto is_told = [](Sign sign) { return sign == Sign::positive || sign == Sign::negative; };
+      Parts<double> parts{{from, to}};
+      if (const Sign sign = quick.sign_over(parts); is_told(sign)) return sign;
+      Parts<long double> finer_parts(parts.begin(), parts.end());
+      if (const Sign sign = finer.sign_over(finer_parts); is_told(sign)) return sign;
+      Parts<Quad> precise_parts(finer_parts.begin(), finer_parts.end());
+      return precise.sign_over(precise_parts);
+    }
   };
 
-  static typename TrueLine<Truth, double>::Sign sign_of(typename TrueLine<Truth, Quad>::Sign sign) {
-    return static_cast<typename TrueLine<Truth, double>::Sign>(sign);
-  }
-
-  /// Returns the sign between two parameters. Doubles are not before the first, and not behind the second.
-  static auto over(const Lines& lines, Quad from, Quad to) {
-    using Sign = typename TrueLine<Truth, double>::Sign;
-    if (!(from < to)) return Sign::positive;
-    std::vector<std::pair<Quad, Quad>> open;
-    auto first = static_cast<double>(from), last = static_cast<double>(to);
-    if (first < from) first = ranges::above(first);
-    if (last > to) last = ranges::below(last);
-    if (first < last) {
-      std::vector<std::pair<double, double>> parts{{first, last}};
-      const Sign sign = lines.quick.sign_over(parts);
-      if (sign == Sign::negative) return sign;
-      for (const auto& [a, b] : parts) open.push_back({a, b});
-      if (from < first) open.push_back({from, first});
-      if (last < to) open.push_back({last, to});
-    } else {
-      open.push_back({from, to});
-    }
-    return sign_of(lines.precise.sign_over(open));
+  /// Returns the value where a ray leaves the surface, or 0.
+  static Range<Quad> level_of(const Truth& truth, const Claim& claim) {
+    return claim.leaves ? TrueLine<Truth, Quad>(truth, claim, {}).at(0, 0).v : Range<Quad>();
   }
 
   const Truth& truth_;

@@ -1,10 +1,14 @@
-// Intervals that judge marches, with numbers T: double, or Quad with 113 bits. Nothing here comes from the
-// library, whose own enclosures are what a march is made of.
+// Intervals that judge marches, with numbers T: double, long double, or Quad with 113 bits. Nothing here
+// comes from the library, whose own enclosures are what a march is made of.
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <concepts>
+#include <limits>
+#include <numbers>
 
 #include "../exact.hpp"
 
@@ -12,37 +16,56 @@ namespace ranges {
 
 using exact::Quad;
 
-/// Exceeds the relative error of one operation: 2^-53 in double, and in Quad 2^-113, or 2^-106 of a root.
+/// Exceeds the relative error of one operation: half a unit of the last place, and in Quad 2^-113, or 2^-106
+/// of a root.
 template <class T>
-inline constexpr double share = std::same_as<T, double> ? 0x1p-52 : 0x1p-104;
+inline constexpr T share = std::numeric_limits<T>::epsilon();
+template <>
+inline constexpr Quad share<Quad> = 0x1p-104;
 
-/// Bounds of the errors of sine and cosine. The one of double is a guess about the C library: half a unit of
-/// the last place is 2^-54, and no library is known whose sine is off by as much as 2^-50. The one of Quad:
-/// an angle below 100 less a multiple of π/2 is off by 2^-105, and the series (sine) by less than 2^-108.
+/// Bounds of the errors of sine and cosine. Those of the C library are guesses: half a unit of the last place
+/// is 2^-54 in double, and no library is known whose sine is off by as much as 2^-50. The one of Quad: an
+/// angle below 100 less a multiple of π/2 is off by 2^-105, and the series (sine) by less than 2^-105.
 template <class T>
-inline constexpr double sine_error = std::same_as<T, double> ? 0x1p-50 : 0x1p-100;
+inline constexpr T sine_error = 4 * share<T>;
+template <>
+inline constexpr Quad sine_error<Quad> = 0x1p-100;
 
-template <class T>
-T size_of(T x) {
-  return x < 0 ? -x : x;
-}
-template <class T>
+inline Quad size_of(Quad x) { return x < 0 ? -x : x; }
+
+template <std::floating_point T>
 T below(T x) {
-  return x - size_of(x) * T(share<T>);
+  return x - std::abs(x) * share<T>;
 }
-template <class T>
+template <std::floating_point T>
 T above(T x) {
-  return x + size_of(x) * T(share<T>);
+  return x + std::abs(x) * share<T>;
 }
 
-inline double floor_of(double x) { return std::floor(x); }
+/// Moves a number outward or inward by 2^9 units of its last place, which are at least its `share`.
+inline Quad moved(Quad x, bool away_from_0) {
+  if (x == 0) return x;
+  __extension__ using Bits = unsigned __int128;
+  const auto bits = std::bit_cast<Bits>(x);
+  return std::bit_cast<Quad>(away_from_0 ? bits + 512 : bits - 512);
+}
+inline Quad below(Quad x) { return moved(x, x < 0); }
+inline Quad above(Quad x) { return moved(x, x > 0); }
+
+template <std::floating_point T>
+T floor_of(T x) {
+  return std::floor(x);
+}
 inline Quad floor_of(Quad x) {
   const auto whole = static_cast<Quad>(static_cast<long long>(x));
   return whole > x ? whole - 1 : whole;
 }
 
 /// Returns the root of a number that is not negative; 0 for one below 2^-900.
-inline double root_of(double x) { return std::sqrt(x); }
+template <std::floating_point T>
+T root_of(T x) {
+  return std::sqrt(x);
+}
 inline Quad root_of(Quad x) {
   if (x < Quad(0x1p-900)) return 0;
   Quad root = std::sqrt(static_cast<double>(x));
@@ -50,20 +73,35 @@ inline Quad root_of(Quad x) {
   return root;
 }
 
-inline double half_pi_of(double) { return 0x1.921fb54442d18p+0; }
+template <std::floating_point T>
+T half_pi_of(T) {
+  return std::numbers::pi_v<T> / 2;
+}
 inline Quad half_pi_of(Quad) {
   return Quad(0x1.921fb54442d18p+0) + (Quad(0x1.1a62633145c07p-54) - Quad(0x1.f1976b7ed8fbcp-110));
 }
 
 /// Returns the sine of x + quarter · π/2.
-inline double sine(double x, int quarter) { return quarter == 0 ? std::sin(x) : std::cos(x); }
+template <std::floating_point T>
+T sine(T x, int quarter) {
+  return quarter == 0 ? std::sin(x) : std::cos(x);
+}
 inline Quad sine(Quad x, int quarter) {
+  static const auto reciprocals = [] {
+    std::array<Quad, 18> of_products{};
+    for (std::size_t k = 2; k < 18; ++k) of_products[k] = Quad(1) / static_cast<Quad>(k * (k - 1));
+    return of_products;
+  }();
   const Quad turns = floor_of(x / half_pi_of(x) + Quad(0.5)), r = x - turns * half_pi_of(x), s = r * r;
   const auto turn = static_cast<unsigned>((static_cast<long long>(turns) + quarter) & 3);
-  // Terms up to r^29/29!: with |r| < 0.8 the rest is below 2^-114.
-  Quad sum = 1;
-  for (int k = turn % 2 == 1 ? 28 : 29; k > 1; k -= 2) sum = 1 - sum * s / (k * (k - 1));
-  const Quad value = turn % 2 == 1 ? sum : r * sum;
+  // Terms up to r^29/29!: with |r| < 0.8 the rest is below 2^-114. Terms from r^17/17! < 2^-53 are summed in
+  // double, whose roundings are below 2^-105 of the sum.
+  const int even = turn % 2;
+  double small = 1;
+  for (int k = 29 - even; k > 17; k -= 2) small = 1 - small * static_cast<double>(s) / (k * (k - 1));
+  Quad sum = small;
+  for (int k = 17 - even; k > 1; k -= 2) sum = 1 - sum * s * reciprocals[static_cast<std::size_t>(k)];
+  const Quad value = even == 1 ? sum : r * sum;
   return turn >= 2 ? -value : value;
 }
 
@@ -92,7 +130,7 @@ struct Range {
     if (a.is_zero() || b.is_zero()) return {};
     const T p = a.lo * b.lo, q = a.lo * b.hi, r = a.hi * b.lo, s = a.hi * b.hi;
     const T least = std::min(std::min(p, q), std::min(r, s)), most = std::max(std::max(p, q), std::max(r, s));
-    const T underflow(0x1p-1060);
+    const T underflow(0x1p-1020);
     return {T(below(least) - underflow), T(above(most) + underflow)};
   }
 };
@@ -130,7 +168,8 @@ Range<T> sine(const Range<T>& a, int quarter) {
     const T shift = T(0.25 * quarter - share_of_turn);
     return floor_of(T(a.hi / turn + shift + slack)) >= a.lo / turn + shift - slack;
   };
-  const T first = sine(a.lo, quarter), last = sine(a.hi, quarter), error(sine_error<T>);
+  const T first = sine(a.lo, quarter), last = a.hi == a.lo ? first : sine(a.hi, quarter);
+  const T error = sine_error<T>;
   return {meets(0.75) ? T(-1) : T(std::min(first, last) - error),
           meets(0.25) ? T(1) : T(std::max(first, last) + error)};
 }
