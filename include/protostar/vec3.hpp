@@ -56,7 +56,7 @@ inline bool is_light(const Color& c) {
 
 /// Returns light with each channel clamped to the largest float: products and sums of finite light may be
 /// infinite.
-[[nodiscard]] inline Color clamped(const Color& light) {
+[[nodiscard, gnu::always_inline]] inline Color clamped(const Color& light) {
   constexpr float most = std::numeric_limits<float>::max();
   return {std::min(light.r, most), std::min(light.g, most), std::min(light.b, most)};
 }
