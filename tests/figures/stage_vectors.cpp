@@ -392,15 +392,22 @@ void projections(Drawing& drawing) {
       const double end = 3.6 / ray.direction.z;
       side.arrow(ray.origin, ray.at(on_near ? *on_near : on_far ? *on_far : end), paint);
     }
-    // The pixels, as a strip beside the picture.
-    for (int y = 0; y < 104; ++y) {
-      const Ray ray = camera.through_pixel(0, y, 1, 104);
+    // The picture, as a strip of pixels that the rays, followed past the spheres, would meet in their order.
+    constexpr double strip = 3.66;
+    constexpr int pixels = 104;
+    const auto row = [&](double y) {
+      const Ray ray = camera(0, Camera::v_at(y, pixels));
+      return side.of(ray.at(strip / ray.direction.z));
+    };
+    const Place top = row(0), bottom = row(pixels);
+    for (int y = 0; y < pixels; ++y) {
+      const Ray ray = camera.through_pixel(0, y, 1, pixels);
       const bool on_near = near.intersect(ray).has_value(), on_far = far.intersect(ray).has_value();
+      const Place at = row(y + 0.5);
       if (on_near || on_far)
-        drawing.line({left + 304, 66 + 2.0 * y + 1}, {left + 318, 66 + 2.0 * y + 1},
-                     on_near ? Paint::blue : Paint::red, Stroke::bold);
+        drawing.line(at, {at.x + 14, at.y}, on_near ? Paint::blue : Paint::red, Stroke::bold);
     }
-    drawing.rectangle({left + 304, 66}, 14, 208, Paint::gray, Fill::none);
+    drawing.rectangle(top, 14, bottom.y - top.y, Paint::gray, Fill::none);
     return side;
   };
   const Sketch pinhole = draw(0, Camera::perspective({0, 0, 0}, {0, 0, 1}, {0, 1, 0}, 40), "perspective");
