@@ -119,7 +119,8 @@ class Sketch {
 
   /// Draws a mark for the camera, which looks along a direction.
   void eye(const Point& at, const Vec3& direction) const {
-    const Vec3 d = normalize(direction) * (18 / scale_), side = Vec3{-d.y, d.x, 0} * 0.42;
+    const Vec3 d = normalize(direction) * (18 / scale_);
+    const Vec3 side = (dot(d, right_) * up_ - dot(d, up_) * right_) * 0.42;  // across d in the drawing
     polygon({at, at - d + side, at - d - side}, Paint::ink, Fill::full);
   }
 

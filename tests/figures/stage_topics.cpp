@@ -272,6 +272,7 @@ void parameter_space(Drawing& drawing) {
     }
   }
   sketch.eye(Point{0}, ray.direction);
+  sketch.words(ray.at(0), {-9, -16}, "eye", Paint::ink, Anchor::middle);
   sketch.words(ray.at(1), {0, -64}, "viewport", Paint::ink, Anchor::middle);
   sketch.words(ray.at(0), {0, 74}, "t = 0", Paint::ink, Anchor::middle);
   sketch.words(ray.at(1), {0, 74}, "t = 1", Paint::ink, Anchor::middle);

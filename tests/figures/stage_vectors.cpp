@@ -244,19 +244,27 @@ void field_of_view(Drawing& drawing) {
     }
     side.angle(Point{0}, at, camera(0, 1).direction, camera(0, -1).direction, paint);
     side.words(name, {0, 0}, text_of(degrees, 0) + "°", paint);
-    // The sphere's outline in the picture: the last camera ray upwards that meets it.
+    // The sphere's outline in the picture: the last camera ray upwards that meets it. Above and below, the
+    // edges of the picture cut it.
     double v = 0;
-    while (v < 1 && sphere.intersect(camera(0, v))) v += 1.0 / 1024;
+    while (sphere.intersect(camera(0, v))) v += 1.0 / 1024;
     drawing.rectangle({462, top}, 120, 84, Paint::gray, Fill::none);
-    if (v < 1)
+    expect(v < 120.0 / 84, "field_of_view");
+    if (v < 1) {
       drawing.circle({522, top + 42}, 42 * v, paint, Fill::soft);
-    else
-      drawing.rectangle({462, top}, 120, 84, paint, Fill::soft);
+    } else {
+      std::vector<Place> outline;
+      for (int angle = 0; angle < 360; angle += 3) {
+        const Vec3 place = v * at_angle(angle);
+        outline.push_back({522 + 42 * place.x, top + 42 - 42 * std::clamp(place.y, -1.0, 1.0)});
+      }
+      drawing.polygon(outline, paint, Fill::soft);
+    }
     drawing.words({592, top + 48}, text_of(degrees, 0) + "°", Anchor::start, paint);
     top += 98;
   }
   side.mark(Point{0}, Paint::ink);
-  drawing.words({190, 24}, "from the side", Anchor::middle, Paint::ink, true);
+  drawing.words({90, 24}, "from the side", Anchor::middle, Paint::ink, true);
   drawing.words({522, 24}, "the pictures", Anchor::middle, Paint::ink, true);
 }
 
