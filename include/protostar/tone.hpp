@@ -10,7 +10,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Treatment of channels above 1, which only files of linear light hold.
+/// Treatment of channels above 1: a file of codes holds at most 1, and only one of linear light (PFM, HDR)
+/// more.
 enum class Tone {
   clip,         ///< the encoder cuts each channel at 1
   scale_pixel,  ///< a pixel is divided by its largest channel if above 1, so that it keeps its hue
