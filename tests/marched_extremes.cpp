@@ -165,6 +165,62 @@ TEST_CASE("a ray from the border of the range of double is not missed") {
   }
 }
 
+TEST_CASE("a ray from far beside the bounds that slowly comes to their middle is not missed") {
+  const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
+  for (int exponent = 40; exponent < 400; exponent += 3) {
+    CAPTURE(exponent);
+    const double far = std::ldexp(1, exponent);
+    CHECK(marched.intersect({.origin = {-3, -far, 0}, .direction = {3 / far, 1, 0}}));
+    CHECK(marched.intersect({.origin = {far, 0, 3}, .direction = {-1, 0, -3 / far}}));
+    CHECK_FALSE(marched.intersect({.origin = {-3, -far, 0}, .direction = {0.25 / far, 1, 0}}));
+    CHECK_FALSE(marched.intersect({.origin = {-3, -far, 0}, .direction = {9 / far, 1, 0}}));
+  }
+}
+
+TEST_CASE("a ray past an instance of a marched surface of any size is proven to miss it") {
+  const Marched marched{sphere_field, Bounds{Point(-1.5), Point(1.5)}};
+  for (int exponent = -390; exponent <= 390; exponent += 10) {
+    CAPTURE(exponent);
+    const double size = std::ldexp(1, exponent);
+    const Instance instance(marched, Affine{}.scaled_by(Vec3(size)));
+    const auto before = fallbacks.undecided;
+    // Past the sphere at the distance √(0.6² + 0.8²) of the doubles, which is above 1 by less than 2^-54.
+    CHECK_FALSE(instance.intersect({.origin = size * Vec3(-3, 0.6, 0.8), .direction = {1, 0, 0}}));
+    CHECK(fallbacks.undecided == before);
+  }
+}
+
+TEST_CASE("lines that an instance maps are enclosed in double-double, below the range of double as well") {
+  Random random(14);
+  WrongCases wrong(random);
+  const auto exact = [](DoubleDouble x) { return ExactNumber(x.hi) + ExactNumber(x.lo); };
+  for (int i = 0; i < cases(300, 20000); ++i) {
+    const double size = std::ldexp(1, static_cast<int>(random.whole(300)));
+    const Affine map = Affine{}.scaled_by(size * Vec3(3, 0.75, 1.25)).rotated_about({1, 0, 2}, i % 2 * 30);
+    const AffineInverse inverse(map);
+    const auto number = [&] { return std::ldexp(random.real(-1, 1), -std::abs(random.whole(1070))); };
+    const Ray outer{.origin = {number(), number(), number()}, .direction = {number(), number(), 1}};
+    const RayTransform transform(outer, inverse);
+    const Ray ray = transform.ray();
+    const detail::ModerateLine rounded(ray);
+    const auto enclosed = detail::enclosed_exact_line(ray, rounded, rounded.unit);
+    const ExactLine line = exact_line(ray);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto contains = [&](const Enclosure<DoubleDouble>& e, const ExactNumber& weighted) {
+        return !std::isfinite(e.lower.hi) || !std::isfinite(e.upper.hi) ||
+               ((exact(e.lower) * line.weight - weighted).sign() <= 0 &&
+                (exact(e.upper) * line.weight - weighted).sign() >= 0);
+      };
+      wrong.add(line.weight.sign() <= 0, outer, "weight");
+      wrong.add(!contains(enclosed.origin[k], line.origin[k]), outer, size, "origin");
+      wrong.add(!contains(enclosed.direction[k], ExactNumber(rounded.unit) * line.direction[k]), outer, size,
+                "direction");
+      wrong.add(line.direction[k].sign() == 0 && enclosed.direction[k].magnitude().hi != 0, outer, "zero");
+    }
+  }
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a hit at the smallest t above 0 is found") {
   const Marched marched{[](const auto& p) { return p.x; }, Bounds{Point(-1), Point(1)}};
   for (const double multiple : {1.0, 3.0, 7.0}) {

@@ -54,9 +54,27 @@ struct EnclosedLine {
   return result;
 }
 
-/// Returns the line of a ray in double-double, from that in double, its direction times `unit`. Exact numbers
-/// are rounded to it with relative errors of 2^-103, and a quotient of two has one of less than 2^-101; the
-/// enclosure is twice as wide.
+/// Returns an enclosure of x/weight for weight ≠ 0. Both are rounded to double-double with relative errors of
+/// 2^-103, and a quotient of two such numbers has one of less than 2^-101; the enclosure is twice as wide.
+/// The exponents of both are kept apart, so that only the quotient itself may leave the range of double:
+/// below it 2^-1060 is added, which exceeds the last bit of a double, and above it nothing is known.
+[[nodiscard]] inline Enclosure<DoubleDouble> enclosed_quotient(const ExactNumber& x,
+                                                               const ExactNumber::Approximation& weight) {
+  if (x.sign() == 0) return {};
+  const ExactNumber::Approximation of_x = x.approximation();
+  const DoubleDouble q = of_x.value / weight.value, margin = std::abs(q.hi) * 0x1p-100;
+  const int exponent = of_x.exponent - weight.exponent;
+  const auto end = [exponent](DoubleDouble e) {
+    return DoubleDouble(std::ldexp(e.hi, exponent), std::ldexp(e.lo, exponent));
+  };
+  const DoubleDouble lower = end(q - margin), upper = end(q + margin);
+  if (!(std::isfinite(lower.hi) && std::isfinite(upper.hi))) return Enclosure<DoubleDouble>::whole();
+  if (std::abs(lower.hi) > 0x1p-900) return {lower, upper};
+  return {lower - DoubleDouble(0x1p-1060), upper + DoubleDouble(0x1p-1060)};
+}
+
+/// Returns the line of a ray in double-double, from that in double, its direction times `unit`: exact, or
+/// for a ray that an instance has mapped, with the errors of enclosed_quotient.
 [[nodiscard, gnu::noinline, gnu::cold]] inline EnclosedLine<DoubleDouble> enclosed_exact_line(
     const Ray& ray, const RoundedLine& rounded, double unit = 1) {
   EnclosedLine<DoubleDouble> result;
@@ -69,14 +87,10 @@ struct EnclosedLine {
     return result;
   }
   const ExactLine line = exact_line(ray);
-  const DoubleDouble weight(line.weight);
-  const auto quotient = [&](const ExactNumber& x) {
-    const DoubleDouble q = DoubleDouble(x) / weight, margin = std::abs(q.hi) * 0x1p-100;
-    return Enclosure<DoubleDouble>{q - margin, q + margin};
-  };
+  const ExactNumber::Approximation weight = line.weight.approximation();
   for (std::size_t k = 0; k < 3; ++k) {
-    result.origin[k] = quotient(line.origin[k]);
-    result.direction[k] = quotient(ExactNumber(unit) * line.direction[k]);
+    result.origin[k] = enclosed_quotient(line.origin[k], weight);
+    result.direction[k] = enclosed_quotient(ExactNumber(unit) * line.direction[k], weight);
   }
   return result;
 }
@@ -92,18 +106,22 @@ struct EnclosedLine {
     // They are sixteenths, so that a sum of four quotients overflows for no t in the range of double.
     const E to_min = (E(box.min[k]) - line.origin[k]) * 0x1p-4,
             to_max = (E(box.max[k]) - line.origin[k]) * 0x1p-4;
+    // A quotient by a tiny number would be all numbers (rounding::least_divisor): `scale` makes it larger.
+    const DoubleDouble size = line.direction[k].magnitude();
+    const double scale =
+        size.hi < 0x1p-100 ? power_of_two(std::clamp(1 - exponent_of({Vec3(size.hi)}), -1000, 1000)) : 1;
+    const E d{line.direction[k].lower * DoubleDouble(scale), line.direction[k].upper * DoubleDouble(scale)};
     // A quotient is all numbers if the direction may be 0, or t overflows. A line beside a face has no t in
     // the box if its t at the face overflows even for the largest direction.
-    const E& d = line.direction[k];
-    const DoubleDouble largest = -d.lower < d.upper ? d.upper : -d.lower;
+    const E largest = E::at(size * DoubleDouble(scale));
     const auto is_beyond = [&](const E& to_face) {
-      return !rounding::is_known((to_face / E{largest, largest}).lower);
+      return !(std::abs((to_face / largest).lower.hi * scale) < infinity);
     };
     if (to_min.lower.hi > 0 && is_beyond(to_min)) return {infinity, -infinity};
     if (to_max.upper.hi < 0 && is_beyond(to_max)) return {infinity, -infinity};
     const E to_first = d.upper.hi < 0 ? to_max : to_min, to_last = d.upper.hi < 0 ? to_min : to_max;
-    span.min = std::max(span.min, std::nextafter(16 * (to_first / d).lower.hi, -infinity));
-    span.max = std::min(span.max, std::nextafter(16 * (to_last / d).upper.hi, infinity));
+    span.min = std::max(span.min, std::nextafter(16 * (to_first / d).lower.hi * scale, -infinity));
+    span.max = std::min(span.max, std::nextafter(16 * (to_last / d).upper.hi * scale, infinity));
   }
   return span;
 }
