@@ -210,3 +210,30 @@ TEST_CASE("a field finds the library's functions, whatever names a program uses"
           protostar::plain_value(with_no_names::field, p));
   }
 }
+
+TEST_CASE("plain lengths of vectors with many components are off by no more than their bound") {
+  // The squares of all components but the first are each lost in the sum, which is 1.
+  const auto lengths = []<std::size_t n>(const double(&x)[n]) {
+    Plain<double> plain[n];
+    Variation bounds[n];
+    exact::Quad squares = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      plain[i] = x[i], bounds[i] = x[i];
+      squares += exact::Quad(x[i]) * exact::Quad(x[i]);
+    }
+    const double error = distance_to(length_of(plain).value, sqrt(TrueNumber::of(squares)));
+    CAPTURE(n, error);
+    CHECK(error <= length_of(bounds).error);
+    CHECK(error > 0.25 * length_of(bounds).error);
+  };
+  constexpr double s = 0x1.6a09p-27;  // its square is below 2^-53, half the last place of 1
+  lengths({1, s, s, s, s, s});
+  lengths({1, s, s, s, s, s, s, s, s, s, s, s, s, s, s, s});
+}
+
+TEST_CASE("nothing is known of a smooth minimum whose width is so small that its plain value is no number") {
+  const auto joined = [](double k) { return smooth_min(Variation(0.0), Variation(0.0), k); };
+  CHECK(std::isnan(smooth_min(Plain<double>(0.0), Plain<double>(0.0), 0x1p-1030).value));
+  CHECK(joined(0x1p-1030).error == protostar::infinity);
+  CHECK(joined(0x1p-1020).error < protostar::infinity);
+}

@@ -156,7 +156,7 @@ class Variation {
   /// Roundings of the plain value: h = max(k − |a − b|, 0) ≤ k has u (|a| + |b|) + u k, which count h/2k ≤ ½
   /// in h²/4k ≤ k/4; h·h, ¼/k and their product have 3u of it, and the difference u (|m| + k/4).
   friend Variation smooth_min(const Variation& a, const Variation& b, double k) {
-    if (!(k > 0)) return unknown();
+    if (!(k > 0 && 0.25 / k < infinity)) return unknown();
     const Values weight = clamp((b.value - a.value) / (Values(2.0) * k) + 0.5, 0, 1);
     Variation mixed = either(a, b);
     for (int i = 0; i < 3; ++i)
@@ -174,11 +174,14 @@ class Variation {
     return mixed;
   }
 
-  /// Returns the length. Squares, their sum and the root have a relative error below 4u: no term is negative.
+  /// Returns the length of a vector of at most 16 components. Squares and their sum have a relative error of
+  /// n u, since no term is negative, which counts half in the root; that is rounded once more (set_error).
   /// With e = v/|v|: |v| + e·δ ≤ |v + δ| ≤ |v| + e·δ + |δ|²/2|v|, and |δ| is at most |J| |h| for a change h
   /// of the point.
   template <std::size_t n>
   friend Variation length_of(const Variation (&v)[n]) {
+    static_assert(n <= 16, "length_of: at most 16 components");  // so that larger_by_rounding holds
+    constexpr double roundings = n <= 6 ? 3 : 0.5 * n;
     Values values[n];
     for (std::size_t i = 0; i < n; ++i) values[i] = v[i].value;
     Variation length;
@@ -195,7 +198,7 @@ class Variation {
     double squares = 0;
     for (const Variation& component : v) squares += component.error * component.error;
     const double off = std::sqrt(squares) + 0x1p-500;  // 2^-500 exceeds the root of all underflow
-    length.set_error(off + 3 * u * (length.value.magnitude() + off), length.value);
+    length.set_error(off + roundings * u * (length.value.magnitude() + off), length.value);
     return length;
   }
 
@@ -246,7 +249,7 @@ class Variation {
   static constexpr double tiny = 0x1p-1000;  ///< exceeds all underflow of a few operations
   static constexpr double lost = 0x1p-1074;  ///< exceeds the underflow of one product
 
-  /// Exceeds the relative error of a bound, which is computed by fewer than 16 roundings, of sums of numbers
+  /// Exceeds the relative error of a bound, which is computed by fewer than 32 roundings, of sums of numbers
   /// that are not negative, products and roots.
   static constexpr double larger_by_rounding = 1 + 0x1p-48;
 
