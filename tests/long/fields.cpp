@@ -507,3 +507,24 @@ TEST_CASE("a shape that is not valid is refused") {
   CHECK(polygon({{0, 0}, {2, 0}, {1, 0.5}, {1, 2}}) == allowed);                              // a dent
   CHECK(polygon({{0, 1}, {-0.6, -0.8}, {0.95, 0.3}, {-0.95, 0.3}, {0.6, -0.8}}) == allowed);  // a star
 }
+
+TEST_CASE("the bounds of a polygon with a narrow corner contain the tip of a larger one, or are infinite") {
+  WrongCases wrong;
+  int finite = 0;
+  for (int exponent = 1; exponent < 40; ++exponent)
+    for (double direction = 0; direction < 6.25; direction += 0.25) {
+      const double angle = std::ldexp(1, -exponent);
+      const auto corner = [](double turned) { return Uv(std::cos(turned), std::sin(turned)); };
+      const fields::Polygon polygon({{0, 0}, corner(direction), corner(direction + angle)});
+      // The lines of both sides, moved by 1/8, meet at this distance from the corner (0, 0).
+      const double way = 0.125 / std::sin(0.5 * angle) * (1 - 0x1p-20);
+      const Uv tip = -way * corner(direction + 0.5 * angle);
+      const fields::PlanarBounds box = polygon.bounds(0.125);
+      wrong.add(!(box.min.x <= tip.x && tip.x <= box.max.x && box.min.y <= tip.y && tip.y <= box.max.y),
+                angle, direction);
+      if (box.max.x < infinity) ++finite;
+      wrong.add(exponent < 15 && !(box.max.x < infinity), angle, "infinite");
+    }
+  CHECK(wrong == 0);
+  CHECK(finite > 300);
+}

@@ -86,14 +86,17 @@ class Polygon {
     return value;
   }
 
-  /// Returns the rectangle. Beside the corner c between sides with the unit normals n and m, the field is
-  /// `level` at c + w (n + m) with w = level / (1 + n · m).
+  /// Returns the rectangle of the points where the field is at most `level`, in units of length. Beside the
+  /// corner c between sides with the unit normals n and m, the field is `level` at c + 2 level s/|s|² with
+  /// s = n + m, since n · s = m · s = |s|²/2. Normals are rounded, by which |s|² is off by 2^-51; where it is
+  /// below 2^-30, at an angle below 2^-15, and the level is above 0, the rectangle is infinite.
   [[nodiscard]] PlanarBounds bounds(double level = 0) const {
     PlanarBounds all{Uv(infinity), Uv(-infinity)};
     for (std::size_t i = 0; i < sides_.size(); ++i) {
-      const Uv n = sides_[i].normal, m = sides_[(i + 1) % sides_.size()].normal;
-      const Uv outward = (level / (1 + n.x * m.x + n.y * m.y)) * (n + m);
-      const Uv corner = corners_[(i + 1) % sides_.size()] + (level > 0 ? outward : Uv(0));
+      const Uv s = sides_[i].normal + sides_[(i + 1) % sides_.size()].normal;
+      const double square = s.x * s.x + s.y * s.y;
+      if (level > 0 && square < 0x1p-30) return {Uv(-infinity), Uv(infinity)};
+      const Uv corner = corners_[(i + 1) % sides_.size()] + (level > 0 ? (2 * level / square) * s : Uv(0));
       all.min = {std::min(all.min.x, corner.x), std::min(all.min.y, corner.y)};
       all.max = {std::max(all.max.x, corner.x), std::max(all.max.y, corner.y)};
     }
