@@ -105,8 +105,8 @@ class SceneDistances {
     (add(scene.template surfaces<S>(), scene.template materials<S>(), integrator, index), ...);
   }
 
-  /// Returns a bound of the distance from a point to the nearest surface that emits no light: none is nearer,
-  /// up to rounding. Less than 0 inside of solids; ∞ if there are no surfaces.
+  /// Returns a lower bound of the distance, in scene units, from a point to the nearest surface that emits no
+  /// light, up to rounding. It is less than 0 inside of solids, and ∞ if there are no such surfaces.
   [[nodiscard]] double distance_bound(const Point& point) const {
     double least = infinity;
     for (const auto& [surface, distance_bound] : fields_)
@@ -124,7 +124,8 @@ class SceneDistances {
     double (*distance_bound)(const void* surface, const Point& point);
   };
 
-  /// Adds surfaces, of which the first has an index in the scene.
+  /// Adds those of some surfaces that emit no light. `index` is that of the first in the scene, and becomes
+  /// that behind the last.
   template <class T>
   void add(const SceneVector<T>& surfaces, const SceneVector<Material>& materials,
            const std::string& integrator, std::size_t& index) {

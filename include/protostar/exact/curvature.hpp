@@ -25,7 +25,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Bounds of the second derivatives of a function on a box. They are 0 at first.
+/// Bounds of the second derivatives of a function on a box. Constructs those of a linear function, which are
+/// 0.
 class Curvature {
  public:
   using Values = Enclosure<double>;
@@ -87,7 +88,8 @@ class Curvature {
     return c;
   }
 
-  /// Returns the bounds if R may be lower, or higher, by that much as well. Both are ≥ 0.
+  /// Returns the bounds for eigenvalues of R that may be lower by `lower` ≥ 0 as well, and higher by
+  /// `higher` ≥ 0.
   [[nodiscard]] Curvature widened(double lower, double higher) const {
     Curvature c = *this;
     c.rest_ = {below(rest_.lower - lower), above(rest_.upper + higher)};
@@ -113,7 +115,7 @@ class Curvature {
   Values& part(int i, int k) { return parts_[index(i, k)]; }
   [[nodiscard]] const Values& part(int i, int k) const { return parts_[index(i, k)]; }
 
-  /// Return bounds of a product, in which 0 times infinity is 0.
+  /// Return a lower and an upper bound of a · b, where 0 times infinity is 0.
   static double least(double a, double b) {
     if (a == 0 || b == 0) return 0;
     if (std::isinf(a) || std::isinf(b)) return a * b;
@@ -121,7 +123,8 @@ class Curvature {
   }
   static double most(double a, double b) { return -least(-a, b); }
 
-  /// Return bounds of a sum that was rounded to x. It is 0 only if the exact sum is.
+  /// Return a lower and an upper bound of a sum of two doubles that was rounded to x. The rounded sum is 0
+  /// only if the exact sum is, and then the bounds are 0.
   static double below(double x) { return x == 0 ? x : rounding::below(x, rounding::underflow<double>); }
   static double above(double x) { return -below(-x); }
 

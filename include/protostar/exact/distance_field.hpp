@@ -6,7 +6,8 @@
 //   slope_at<double>(sphere, origin, direction, t);                  // enclosures of values and slopes
 //   lipschitz_bound(sphere, bounds, 1000);                           // {Lipschitz constant, error}
 //
-// It is positive outside of its surface, 0 on it and negative inside, and continuous.
+// A distance field is positive outside of its surface, 0 on it and negative inside, and continuous. Values
+// and coordinates are in scene units.
 #pragma once
 
 #include <concepts>
@@ -85,7 +86,7 @@ template <class B>
 }
 
 /// Returns enclosures of a field's values at the points origin + t · direction, for t in an interval, and of
-/// its slopes there, derivatives by t.
+/// its slopes there, which are derivatives by t: for a direction of length 1, per scene unit.
 template <class B>
 [[nodiscard]] Slope<Enclosure<B>> slope_at(const auto& field, const Point& origin, const Vec3& direction,
                                            const Enclosure<B>& t) {

@@ -19,7 +19,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Interval lower ≤ x ≤ upper that surely contains a number x. Constants are taken as they are in double.
+/// Interval lower ≤ x ≤ upper that surely contains a number x. Its ends are of type B, and may be infinite.
+/// Constants of a formula are doubles, and count as exact.
 template <class B>
 struct Enclosure {
   using Truth = decltype(B{} < B{});  ///< bool, or a mask with a truth value for each lane
@@ -32,6 +33,7 @@ struct Enclosure {
   /// Constructs an interval that is a single finite number.
   Enclosure(double number) : lower(number), upper(number) {}
 
+  /// Constructs the interval [least, most], for least ≤ most in each lane.
   Enclosure(const B& least, const B& most) : lower(least), upper(most) {}
 
   /// Returns the interval that is a single number.
@@ -88,7 +90,7 @@ struct Enclosure {
             above_unless_zero(size.upper, size.upper * size.upper, rounding::underflow<B>)};
   }
 
-  /// Returns the square root; negative numbers count as 0, for all number types of fields.
+  /// Returns the square root. Negative numbers have the root 0, for all number types of fields.
   friend Enclosure sqrt(const Enclosure& a) {
     const B least = rounding::max(a.lower, B(0.0)), most = rounding::max(a.upper, B(0.0));
     return {rounding::max(B(0.0), rounding::below(rounding::sqrt(least), rounding::root_underflow<B>)),
@@ -96,10 +98,9 @@ struct Enclosure {
   }
 
   /// Returns the distance to the nearest even number, which is between 0 and 1: mirrored repetition with the
-  /// period 2. Exact but where a kink lies inside.
-  ///
-  /// A number x less the even number next to it is exact: both are multiples of the last place of x or of 1,
-  /// and so is the difference, which is at most 1. From 2^50 on the answer is [0, 1].
+  /// period 2. The ends are not rounded: a number x and the even number next to it are multiples of the last
+  /// place of x or of 1, and so is their difference, which is at most 1. For numbers of 2^50 or more the
+  /// result is [0, 1].
   friend Enclosure fold(const Enclosure& a) {
     const B one(1.0), first = rounding::floor(a.lower), last = rounding::floor(a.upper);
     const Truth is_straight = last <= first, rises = is_even(first);                // from `first` on
@@ -113,9 +114,9 @@ struct Enclosure {
     return select(a.magnitude() < B(0x1p50), folded, Enclosure{B(0.0), one});
   }
 
-  /// Returns the difference from the nearest integer, from −1/2 to 1/2, for repetition. It jumps halfway
-  /// between integers; slopes are those of its branches (slope.hpp). Exact, but where a jump lies inside it
-  /// is [−1/2, 1/2].
+  /// Returns the difference from the nearest integer, from −1/2 to 1/2, for repetition. The function jumps
+  /// halfway between integers. The ends are not rounded; the result is [−1/2, 1/2] if the interval contains a
+  /// jump, or numbers of 2^50 or more.
   friend Enclosure wrap(const Enclosure& a) {
     const B first = rounding::nearest_integer(a.lower), last = rounding::nearest_integer(a.upper);
     return select(!(first < last) && a.magnitude() < B(0x1p50), Enclosure{a.lower - first, a.upper - last},
@@ -163,15 +164,15 @@ struct Enclosure {
     return {rounding::min(a.lower, b.lower), rounding::max(a.upper, b.upper)};
   }
 
-  /// Returns the numbers in both, for two enclosures of one number.
+  /// Returns the numbers in both intervals, which are to be enclosures of one number, so that there are some.
   friend Enclosure common(const Enclosure& a, const Enclosure& b) {
     return {rounding::max(a.lower, b.lower), rounding::min(a.upper, b.upper)};
   }
 
-  /// Returns a / length for a number a of which at most `largest` · length is the magnitude, whatever the
-  /// enclosures are: for a component of a vector, 1. The quotient increases with a; a positive one is divided
-  /// by the other end of the length. Quotients 0/0 and ∞/∞ are NaN, for which the functions below return the
-  /// limit.
+  /// Returns a / length for numbers with |a| ≤ largest · length, which holds for the component a of a vector
+  /// with that length and largest = 1. The result is in [−largest, largest], and has one sign if a has,
+  /// even if the enclosure of the length begins at 0. Quotients of ends 0/0 and ∞/∞ are NaN, for which
+  /// rounding::below and above return −∞ and ∞; the result then ends at 0 or at ±largest.
   friend Enclosure unit_component(const Enclosure& a, const Enclosure& length, const B& largest = B(1.0)) {
     const B zero(0.0), least = a.lower, most = a.upper;
     const auto over = [&](const B& end, Truth by_lower) {
@@ -201,7 +202,7 @@ struct Enclosure {
     return lower <= B(least) && B(-least) <= upper;
   }
 
-  /// Returns a divisor that is not negative; 0 for a tiny one, so that the quotient is not known.
+  /// Returns a divisor ≥ 0, or 0 instead if it is so small that quotients have no bound of their underflow.
   static B or_zero(const B& divisor) {
     constexpr double least = rounding::least_divisor<B>;
     if constexpr (least == 0)
@@ -216,13 +217,14 @@ struct Enclosure {
     return half <= rounding::floor(half);
   }
 
-  /// Returns an upper bound of the exact result that was rounded to c, and is 0 if its argument x ≥ 0 is.
+  /// Returns 0 if x ≤ 0, and otherwise an upper bound of the exact result that was rounded to c: for squares
+  /// and roots of x ≥ 0, which are 0 only for x = 0.
   static B above_unless_zero(const B& x, const B& c, double slack) {
     return rounding::select(x <= B(0.0), B(0.0), rounding::above(c, slack));
   }
 
-  /// Returns the product or quotient of a and a number b, from those of the ends of a. With b ≠ 0 they are
-  /// never NaN, and their order is known.
+  /// Returns the product or quotient of a and a number b, from those of the lower and upper end of a. For
+  /// finite b ≠ 0 the sign of b tells which of them is the smaller.
   static Enclosure scaled(const Enclosure& a, double b, const B& first, const B& second) {
     if (!(b != 0 && std::abs(b) < infinity)) return spanned(a, b, first, first, second, second);
     const bool is_positive = b > 0;
@@ -235,9 +237,9 @@ struct Enclosure {
             rounding::select(may_be_positive, most, rounding::min(most, zero))};
   }
 
-  /// Returns the interval of the products or quotients of a and b, from those of their ends. Signs of the
-  /// factors tell signs of the result, which underflow does not change; an end that is exactly 0 stays so.
-  /// Infinite ends may give NaN, for one or for the sum of all, and then nothing is known.
+  /// Returns the interval of the products or quotients of a and b, from those of their ends, p to s. Signs of
+  /// the factors tell the sign of the result, which underflow does not change; an end that is exactly 0 stays
+  /// so. If infinite ends make one of p to s NaN, or their sum, the result is all numbers.
   static Enclosure spanned(const Enclosure& a, const Enclosure& b, const B& p, const B& q, const B& r,
                            const B& s) {
     const B zero(0.0);

@@ -59,11 +59,12 @@ template <class R, std::size_t n>
   return sum;
 }
 
-/// Sine of x + quarter · π/2, for quarter 0 or 1 and |x| ≤ 2^20, with an error below 2^-51. Both are found
-/// together.
+/// Sine and cosine of x, computed together: at(0) returns sin x and at(1) returns sin(x + π/2) = cos x, for
+/// |x| ≤ 2^20, with absolute errors below 2^-51.
 ///
-/// With k the integer next to x · 2/π, |k| < 2^20, and up to roundings of 2^-30 |r| ≤ π/4 for r = x − k π/2.
-/// The first difference below is exact: for k ≠ 0 its terms are multiples of 2^-53, and it is below 1. The
+/// k is the integer next to x · 2/π, |k| < 2^20. Then r = x − k π/2 is at most π/4 in magnitude, and 2^-30
+/// more at most by the rounding of k. The first difference below is exact: for k ≠ 0 its terms are multiples
+/// of 2^-53, and it is below 1. The
 /// second is rounded by 2^-54 at most, and so is the third, of which the product and the error of π/2 add
 /// 2^-100: r is off by 1.01u.
 ///
@@ -106,7 +107,8 @@ template <std::size_t n>
   return x;
 }
 
-/// Returns the sine as Sines does, in double-double, with an error below 2^-98: r has four roundings of 3u²
+/// Returns sin(x + quarter · π/2) in double-double, for quarter 0 or 1 and |x| ≤ 2^20, with an absolute error
+/// below 2^-98, by the way of Sines: r has four roundings of 3u²
 /// of numbers below 1, and π/2 an error of 2^-155 times k < 2^20. Series up to θ^27/27! and θ^26/26!
 /// lack less than 2^-104. Each step of them has errors of 20u² of a term below 0.31, the product with the
 /// square and the quotient, and 3u² of the difference: below 15u² in the end, and the sine's product with r
@@ -133,7 +135,8 @@ class Sines<DoubleDouble> {
   DoubleDouble x_;
 };
 
-/// Returns e^x for |x| ≤ 600, with a relative error below 2^-51; beyond, that of ±600.
+/// Returns e^x for |x| ≤ 600, with a relative error below 2^-51; for other x that of the nearer of ±600, and
+/// for NaN that of −600.
 ///
 /// e^x = 2^k e^r for the integer k next to x / ln 2 and r = x − k ln 2, |r| < 0.35. The first difference is
 /// exact, as that of sine_of; the second, with its product, is off by u/3. The series up to r^13/13! lacks
@@ -151,7 +154,8 @@ class Sines<DoubleDouble> {
   return std::ldexp(1 + rest, static_cast<int>(k));
 }
 
-/// Returns e^x in double-double for |x| ≤ 600, with a relative error below 2^-98; beyond, that of ±600.
+/// Returns e^x in double-double for |x| ≤ 600, with a relative error below 2^-98; for other x that of the
+/// nearer of ±600.
 ///
 /// e^x = 2^(k/32) e^t for the integer k next to 32 x / ln 2, |k| < 2^15, and |t| < 0.011; t is off by 12u² of
 /// that. The series up to t^12/12! lacks less than 2^-115; its last step has an error of 3u² and 20u² of t.
@@ -168,8 +172,8 @@ class Sines<DoubleDouble> {
   return {std::ldexp(power.hi, static_cast<int>(whole)), std::ldexp(power.lo, static_cast<int>(whole))};
 }
 
-/// Returns ln x for x from 2^-800 to 2^800, with a relative error below 2^-50; beyond, that of the nearer
-/// end.
+/// Returns ln x for x from 2^-800 to 2^800, with a relative error below 2^-50; for other x that of the nearer
+/// of 2^±800, and for NaN that of 2^-800.
 ///
 /// x = 2^k m with m from √½ to √2, and ln x = k ln 2 + 2z (1 + s/3 + s²/5 + …) with z = (m − 1)/(m + 1), s =
 /// z². m − 1 is exact, so z has 2u, the bracket u and u/20, and their product u: 4.1u of 2|z| · 1.01, which
@@ -212,9 +216,10 @@ template <int N>
   return x;
 }
 
-/// Sine of a + quarter · π/2, for quarter 0 or 1, with a in an interval. It is 1 where turns − ¼ is an
-/// integer and −1 where turns + ¼ is one, with turns = (a + quarter · π/2) / 2π; elsewhere the extremes are
-/// at the ends.
+/// Enclosures of sine and cosine over an interval of a: at(0) returns those of sin a and at(1) those of
+/// sin(a + π/2) = cos a; [−1, 1] if the interval is not within ±2^20. With turns = (a + quarter · π/2) / 2π
+/// the sine is 1 where turns − ¼ is an integer, and −1 where turns + ¼ is one. If there is no such place in
+/// the interval, the extremes are at its ends.
 template <class B>
 class SinesOver {
  public:
@@ -267,7 +272,7 @@ template <class B>
   return detail::SinesOver<B>(a).at(1);
 }
 
-/// Returns e^a; from 0 where a is below the range of the function, and to ∞ above.
+/// Returns e^a. The lower end is 0 if a may be below −600, and the upper one ∞ if a may be above 600.
 template <class B>
 [[nodiscard]] Enclosure<B> exp(const Enclosure<B>& a) {
   const B end(detail::largest_exponent), part(2 * detail::exponential_error<B>);
@@ -276,7 +281,7 @@ template <class B>
           rounding::select(a.upper <= end, rounding::above(last + last * part), B(infinity))};
 }
 
-/// Returns the natural logarithm of a; all numbers where a is not in the range of the function.
+/// Returns the natural logarithm of a; all numbers if a may be below 2^-800 or above 2^800.
 template <class B>
 [[nodiscard]] Enclosure<B> log(const Enclosure<B>& a) {
   const B first = detail::logarithm_of(a.lower), last = detail::logarithm_of(a.upper);

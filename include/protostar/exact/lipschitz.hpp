@@ -21,7 +21,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Bounds of a function on a box. Infinite where nothing is known.
+/// Bounds of a function on a box: the number type with which a field gives bounds of itself there. Bounds are
+/// infinite where nothing is known, and never NaN.
 class Variation {
  public:
   using Values = Enclosure<double>;
@@ -35,10 +36,11 @@ class Variation {
   /// Constructs the constant 0.
   Variation() = default;
 
-  /// Constructs a constant.
+  /// Constructs a constant, which has no error.
   Variation(double number) : value(number) {}
 
-  /// Returns coordinate k, 0, 1 or 2, of the points of a box.
+  /// Returns coordinate k, 0, 1 or 2, of the points of a box, which is from `least` to `most`. A coordinate
+  /// has no error here: rounded points of a ray are taken into account along it (march/field_line.hpp).
   [[nodiscard]] static Variation of_coordinate(int k, double least, double most) {
     Variation coordinate;
     coordinate.value = {least, most};
@@ -78,8 +80,9 @@ class Variation {
   }
 
   /// Returns the quotient r = a/b. With errors e of a and f of b, a'/b' is off by (e + |r| f) / (|b| − f).
-  /// The product rule for a = r b gives its second derivatives. Divided by a small number, what a product
-  /// loses by underflow, up to 2^-1075, is no longer small: `lost` is added before.
+  /// The product rule for a = r b gives its second derivatives. A product here loses up to 2^-1075 by
+  /// underflow, which is no longer small when it is divided by a small number: `lost` is added before. If the
+  /// divisor may be 0, nothing is known.
   friend Variation operator/(const Variation& a, const Variation& b) {
     const double least = abs(b.value).lower - b.error;
     if (!(least > 0)) return unknown();
@@ -117,8 +120,9 @@ class Variation {
     return folded;
   }
 
-  /// Returns the difference from the nearest integer, as if it did not jump (slope.hpp). Its error beside a
-  /// jump, by a whole 1, is none for a function that does not jump there.
+  /// Returns the difference from the nearest integer, with the gradient and the error that it has away from
+  /// its jumps. A rounded argument may be on the other side of a jump, where the plain value is off by 1; a
+  /// field made with wrap has to be continuous there (Slope's wrap), and is off by no more than elsewhere.
   friend Variation wrap(const Variation& a) {
     Variation wrapped = a;
     wrapped.value = wrap(a.value);
@@ -134,7 +138,8 @@ class Variation {
     return product;
   }
 
-  /// Returns the root. √a and √b differ by |a − b| / (√a + √b), hence by √|a − b| at most.
+  /// Returns the square root. √a and √b differ by |a − b| / (√a + √b), hence by √|a − b| at most. If a may be
+  /// 0, the Lipschitz constant is infinite.
   friend Variation sqrt(const Variation& a) {
     Variation root;
     root.value = sqrt(a.value);
@@ -149,7 +154,8 @@ class Variation {
     return root;
   }
 
-  /// Returns the smooth minimum m, which changes by at most as much as the larger of the changes of a and b:
+  /// Returns the smooth minimum m, for k > 0; nothing is known for other k, or if 1/4k is beyond the range of
+  /// double. It changes by at most as much as the larger of the changes of a and b:
   /// its derivatives by them are weights with the sum 1. It is concave in a and b, and its second derivative
   /// by a − b is −1/2k or 0, which counts (L_a + L_b)² times at most.
   ///
@@ -175,12 +181,12 @@ class Variation {
   }
 
   /// Returns the length of a vector of at most 16 components. Squares and their sum have a relative error of
-  /// n u, since no term is negative, which counts half in the root; that is rounded once more (set_error).
-  /// With e = v/|v|: |v| + e·δ ≤ |v + δ| ≤ |v| + e·δ + |δ|²/2|v|, and |δ| is at most |J| |h| for a change h
-  /// of the point.
+  /// n u, since no term is negative, which counts half in the root. The root itself is rounded once more
+  /// (set_error). With e = v/|v|: |v| + e·δ ≤ |v + δ| ≤ |v| + e·δ + |δ|²/2|v|, and |δ| is at most |J| |h| for
+  /// a change h of the point.
   template <std::size_t n>
   friend Variation length_of(const Variation (&v)[n]) {
-    static_assert(n <= 16, "length_of: at most 16 components");  // so that larger_by_rounding holds
+    static_assert(n <= 16, "length_of: at most 16 components");  // larger_by_rounding holds for these
     constexpr double roundings = n <= 6 ? 3 : 0.5 * n;
     Values values[n];
     for (std::size_t i = 0; i < n; ++i) values[i] = v[i].value;
@@ -220,9 +226,9 @@ class Variation {
     return distance;
   }
 
-  /// Returns f(a) for a function f of one number, with its values, derivatives and second derivatives on
-  /// a.value, the largest magnitude of its derivatives within a.error of them, and the largest error of its
-  /// plain value.
+  /// Returns f(a) for a function f of one number: `values`, `derivatives` and `second_derivatives` enclose
+  /// those of f on a.value, `steepest` is the largest magnitude of its derivatives at numbers that are at
+  /// most a.error away from a.value, and `own` bounds the error of its plain value for an exact argument.
   friend Variation composed(const Variation& a, const Values& values, const Values& derivatives,
                             const Values& second_derivatives, double steepest, double own) {
     Variation f;
@@ -337,9 +343,10 @@ struct FieldBound {
   return field(FieldPoint<Variation>{coordinate(0), coordinate(1), coordinate(2)});
 }
 
-/// Returns bounds of a field on a box by at most that many evaluations, of which there must be one: branch
-/// and bound. The part of the box with the largest constant is halved, across its longest side, as long as
-/// one point of it does not show that the constant can hardly be smaller.
+/// Returns bounds of a field on a box, in scene units, by branch and bound: the part of the box with the
+/// largest Lipschitz constant is halved, across its longest side, until the constant at the middle of such a
+/// part shows that no division can make that of the box smaller by more than 2^-20 of itself. It takes at
+/// most `evaluations` evaluations of the field, but always one. Bounds are infinite if the field has none.
 [[nodiscard]] FieldBound lipschitz_bound(const auto& field, const Bounds& box, int evaluations) {
   struct Part {
     Bounds box;

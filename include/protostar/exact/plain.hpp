@@ -20,7 +20,7 @@ struct Plain {
   Plain() : value(0.0) {}
   Plain(double number) : value(number) {}
 
-  /// Returns the numbers of all lanes.
+  /// Returns a number of type R: a double, or one for each lane.
   [[nodiscard]] static Plain of(const R& number) {
     Plain plain;
     plain.value = number;
@@ -41,16 +41,17 @@ struct Plain {
   /// Returns the square root; 0 for negative numbers.
   friend Plain sqrt(Plain a) { return of(rounding::sqrt(rounding::max(a.value, R(0.0)))); }
 
-  /// Returns the distance to the nearest even number, from 0 to 1. Exact, as for enclosures.
+  /// Returns the distance to the nearest even number, from 0 to 1, without rounding (Enclosure's fold tells
+  /// why).
   friend Plain fold(Plain a) {
     return of(rounding::abs(a.value - rounding::nearest_integer(a.value * R(0.5)) * R(2.0)));
   }
 
-  /// Returns the difference from the nearest integer, from −1/2 to 1/2. Exact, as both are multiples of the
-  /// last place of a or of 1.
+  /// Returns the difference from the nearest integer, from −1/2 to 1/2, without rounding: both are multiples
+  /// of the last place of a or of 1.
   friend Plain wrap(Plain a) { return of(a.value - rounding::nearest_integer(a.value)); }
 
-  /// Returns the polynomial smooth minimum of Quilez, for k > 0.
+  /// Returns the polynomial smooth minimum of Quilez, min(a, b) − max(k − |a − b|, 0)²/(4k), for k > 0.
   friend Plain smooth_min(Plain a, Plain b, double k) {
     const Plain h = max(k - abs(a - b), 0.0);
     return min(a, b) - h * h * (0.25 / k);
@@ -64,7 +65,8 @@ struct Plain {
     return of(rounding::sqrt(sum.value));
   }
 
-  /// Returns the signed distance of q from the vectors without a positive component (enclosure.hpp).
+  /// Returns the signed distance of q from the vectors without a positive component: |max(q, 0)| outside, and
+  /// the largest component, which is negative, inside.
   template <std::size_t n>
   friend Plain signed_length_of(const Plain (&q)[n]) {
     Plain outside[n], largest = q[0];

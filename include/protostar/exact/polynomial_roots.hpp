@@ -13,7 +13,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Polynomial Σ c[k] x^k of a degree from 1 to 4.
+/// Polynomial Σ c[k] x^k, for k from 0 to its degree, which is from 1 to 4. The coefficients are enclosed.
 template <class B>
 struct EnclosedPolynomial {
   int degree = 4;
@@ -34,14 +34,16 @@ struct EnclosedPolynomial {
   }
 };
 
-/// Roots in ascending order, each enclosed. A touch, or roots that the digits do not part, are two or one,
-/// as the signs on both sides are, in one interval; then they are not certain.
+/// Roots in ascending order, each enclosed, of which there are `count`. An interval for which the digits do
+/// not tell the number of its roots, as at a touch, stands for two roots if the polynomial has the same sign
+/// at both of its ends, and otherwise for one; `are_certain` is then false.
 template <class B>
 struct EnclosedRoots {
   int count = 0;
   Enclosure<B> root[4];
   bool are_certain = true;  ///< true if there are these roots and no others
 
+  /// Adds a root behind the others; a fifth is dropped.
   void add(const Enclosure<B>& x) {
     if (count < 4) root[count++] = x;
   }
@@ -76,8 +78,8 @@ class RootSearch {
     Enclosure<B> at[5];
   };
 
-  /// Number of bits after the point that the ends of intervals may have. Ends of at most 1 are exact with 50
-  /// in double and with 98 in double-double.
+  /// Largest number of bits after the point of the ends of intervals. Ends of at most 1 in magnitude are
+  /// exact with 50 bits in double and with 98 in double-double.
   static constexpr int most_bits = sizeof(B) == sizeof(double) ? 50 : 98;
 
   /// Returns the coefficients over [−1, 1]. With x = 2y − 1 the polynomial is Σ a_k y^k, a_k = 2^k f^(k)(−1)
@@ -172,7 +174,8 @@ class RootSearch {
 
 }  // namespace detail
 
-/// Returns the roots in (−1, 1). If the sign at an end is unknown, there are none, and they are not certain.
+/// Returns the real roots in (−1, 1), each in an interval as narrow as the digits of B allow. If the sign of
+/// the polynomial at −1 or at 1 is unknown, it returns no roots and `are_certain` = false.
 template <class B>
 [[nodiscard]] EnclosedRoots<B> roots_in_unit_interval(const EnclosedPolynomial<B>& f) {
   return detail::RootSearch<B>(f).roots();

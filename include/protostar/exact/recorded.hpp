@@ -23,10 +23,15 @@ class Recorded;
 /// List of the operations of a field, each after those whose results it takes.
 class FieldTape {
  public:
+  /// Operation by its name, the indices of its operands, and a number.
+  ///
+  /// Without operands: "x", "y", "z", the coordinates of the point, and "constant". With one: "minus", "abs",
+  /// "square", "sqrt", "fold", "wrap", "sin", "cos", "exp", "log", and "result", the value of the field. With
+  /// two: "sum", "difference", "product", "quotient", "min", "max", "smooth_min". With one or more: "length".
   struct Operation {
     std::string_view name;
     std::vector<std::size_t> of;  ///< indices of the operations whose results it takes
-    double number = 0;            ///< of a constant, and the width of a smooth minimum
+    double number = 0;            ///< value of a constant, width k of a smooth minimum, otherwise 0
   };
 
   /// Writes down a field, once for each tape. The first operations are x, y and z, and the last is "result".
@@ -76,7 +81,8 @@ class FieldTape {
   std::vector<Operation> operations_;
 };
 
-/// Result of an operation on the tape that this thread writes, or a constant that is not on it yet.
+/// Number type that writes operations down: the result of an operation on the tape that this thread writes,
+/// or a constant that is not on the tape yet. Operations are allowed only inside of FieldTape::record.
 class Recorded {
  public:
   Recorded() = default;

@@ -28,7 +28,7 @@ using simd::select;
 [[nodiscard]] inline DoubleDouble abs(DoubleDouble a) { return protostar::abs(a); }
 [[nodiscard]] inline DoubleDouble sqrt(DoubleDouble a) { return protostar::sqrt(a); }
 
-/// Returns its argument, as any(mask) tells for lanes.
+/// Returns a single truth value; for a mask of lanes simd::any returns whether one of them is true.
 [[nodiscard]] inline bool any(bool so) { return so; }
 
 using simd::abs;
@@ -38,8 +38,8 @@ using simd::max;
 using simd::min;
 using simd::sqrt;
 
-/// Returns the nearest integer, of two equally near ones the even one. A double of magnitude below 2^52 plus
-/// 2^52 is rounded to an integer; from there on all doubles are integers.
+/// Returns the nearest integer, of two equally near ones the even one. The sum of 2^52 and a smaller
+/// magnitude is rounded to an integer; doubles of 2^52 or more are integers already. NaN and ∞ remain.
 template <class R>
 [[nodiscard]] R nearest_integer(R x) {
   const R size = abs(x);
@@ -56,7 +56,8 @@ template <class R>
 /// Direction in which numbers are rounded to integers.
 enum class To { nearest, down };
 
-/// Returns the nearest integers, or the largest that are at most x: by one instruction where there is one.
+/// Returns the integers nearest to x in each lane, or the largest that are at most x: by one instruction
+/// where the processor has one.
 template <To to, int N>
 [[nodiscard]] simd::Lanes<double, N> to_integer(simd::Lanes<double, N> x) {
 #if defined(PROTOSTAR_VECTORS) && defined(__AVX__)
@@ -85,7 +86,7 @@ template <int N>
   return high == x.hi ? fast_two_sum(high, floor(x.lo)) : DoubleDouble(high);
 }
 
-/// Returns an integer that is as near to x as any other.
+/// Returns the nearest integer, of two equally near ones the larger.
 [[nodiscard]] inline DoubleDouble nearest_integer(DoubleDouble x) {
   const DoubleDouble below = floor(x), part = x - below;
   return part < DoubleDouble(0.5) ? below : below + DoubleDouble(1.0);
@@ -109,6 +110,7 @@ template <int N>
 // Double-double: the largest relative error is that of a quotient, 10u². 2^-102 |c| is 16u² |c.hi|, of which
 // the subtraction, with an error of 3u², leaves 13u² (1 − u).
 
+/// Returns the distance by which a result c is moved outward: more than its relative error, times |c|.
 [[nodiscard]] inline double share_of(double c) { return 0x1p-52 * std::abs(c); }
 [[nodiscard]] inline double share_of(DoubleDouble c) { return 0x1p-102 * std::abs(c.hi); }
 template <int N>
@@ -116,12 +118,13 @@ template <int N>
   return simd::Lanes<double, N>(0x1p-52) * abs(c);
 }
 
-/// Returns a number that the exact result does not fall below; −∞ if c is infinite or NaN.
+/// Returns a lower bound of the exact result of an operation that was rounded to c; −∞ if c is infinite or
+/// NaN. Sums are bounded as they are; products, quotients and roots may underflow, and need a slack.
 template <class B>
 [[nodiscard]] B below(B c) {
   return max(B(-infinity), c - share_of(c));
 }
-/// Returns such a number where the error may exceed that of the operation by the slack.
+/// Returns a lower bound of the exact result where the error of c may be larger by a slack ≥ 0.
 template <class B>
 [[nodiscard]] B below(B c, double slack) {
   return max(B(-infinity), c - (share_of(c) + slack));
@@ -131,12 +134,13 @@ template <class B>
   return is_known(moved) ? moved : DoubleDouble(-infinity);
 }
 
-/// Returns a number that the exact result does not exceed; ∞ if c is infinite or NaN.
+/// Returns an upper bound of the exact result of an operation that was rounded to c; ∞ if c is infinite or
+/// NaN.
 template <class B>
 [[nodiscard]] B above(B c) {
   return min(B(infinity), c + share_of(c));
 }
-/// Returns such a number where the error may exceed that of the operation by the slack.
+/// Returns an upper bound of the exact result where the error of c may be larger by a slack ≥ 0.
 template <class B>
 [[nodiscard]] B above(B c, double slack) {
   return min(B(infinity), c + (share_of(c) + slack));
@@ -154,9 +158,9 @@ inline constexpr double underflow = 0x1p-1022;
 template <>
 inline constexpr double underflow<DoubleDouble> = 0x1p-900;
 
-/// Least magnitude of a divisor whose quotients have no larger error by underflow. In double, any: only the
-/// quotient underflows. In double-double, products of the long division do, too, each by less than 2^-1073;
-/// their sum, less than 2^-1060, is divided by the divisor.
+/// Magnitude above which a divisor's quotients have no larger error by underflow than `underflow`. In double
+/// it is 0, since only the quotient underflows. In double-double the products of the long division underflow
+/// too, each by less than 2^-1073; their sum, less than 2^-1060, is divided by the divisor.
 template <class B>
 inline constexpr double least_divisor = 0;
 template <>

@@ -71,12 +71,13 @@ struct Slope {
     return {fold(a.value), select(last <= first, select(rises, a.slope, falling), hull(a.slope, falling))};
   }
 
-  /// Returns the difference from the nearest integer, and the slope of its branches, as if it did not jump.
-  /// The slope of a function of it holds if that function does not jump where wrap does, as the distance from
-  /// the nearest of copies.
+  /// Returns the difference from the nearest integer, and the slope of its branches, as if there were no jump
+  /// between them. A field made with wrap has to be continuous where wrap jumps, as the distance from the
+  /// nearest of several copies is; then its slopes hold.
   friend Slope wrap(const Slope& a) { return {wrap(a.value), a.slope}; }
 
-  /// Returns the smooth minimum. Its slope is w a' + (1 − w) b' with w = ½ + (b − a)/2k, in [0, 1].
+  /// Returns the smooth minimum for k > 0. Its slope is w a' + (1 − w) b' with w = ½ + (b − a)/2k, cut to
+  /// [0, 1].
   friend Slope smooth_min(const Slope& a, const Slope& b, double k) {
     const N weight = clamp((b.value - a.value) / (2 * k) + 0.5, 0, 1);
     const N mixed = b.slope + weight * (a.slope - b.slope), outer = hull(a.slope, b.slope);
@@ -84,7 +85,7 @@ struct Slope {
   }
 
   /// Returns the length of v, and its slope v · v' / |v|, which is at most Σ |v'_i| in magnitude, also where
-  /// |v| may be 0. One quotient decides its sign by that of v · v' alone.
+  /// |v| may be 0. The slope is one quotient, so that it has one sign if v · v' has.
   template <std::size_t n>
   friend Slope length_of(const Slope (&v)[n]) {
     N values[n];

@@ -23,7 +23,7 @@ class PlanarField {
  public:
   using Shape = std::variant<Circle, Rectangle, Polygon>;
 
-  /// Throws std::invalid_argument for a shape that is not valid.
+  /// Holds a planar shape. Throws std::invalid_argument if it is not valid.
   template <class S>
   requires(std::constructible_from<Shape, S> && !std::same_as<S, PlanarField>) PlanarField(S shape)
       : shape_(std::move(shape)) {
@@ -38,7 +38,8 @@ class PlanarField {
     return std::visit([level](const auto& shape) { return shape.bounds(level); }, shape_);
   }
 
-  /// Returns what an evaluation costs: the corners of a polygon, and 1 for other shapes.
+  /// Returns the number of shapes that an evaluation counts as: one for each corner of a polygon, and 1 for
+  /// other shapes.
   [[nodiscard]] std::size_t size() const {
     const auto* const polygon = std::get_if<Polygon>(&shape_);
     return polygon != nullptr ? polygon->corners().size() : 1;
@@ -79,7 +80,8 @@ class Field {
   [[nodiscard]] std::size_t size() const { return size_; }
 
  private:
-  /// Takes a field into account that is a part of this one, with a number of evaluations.
+  /// Adds a field that is a part of this one to depth and size. An evaluation of this field takes `times` of
+  /// the part.
   void add_part(const Field& part, std::size_t times) {
     depth_ = std::max(depth_, part.depth_ + 1);
     size_ += times * part.size_;  // at most 1024 · 4096 for each, and a list has as many as memory holds

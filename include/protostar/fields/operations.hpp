@@ -1,9 +1,13 @@
 // Operations on fields: combinations of shapes, other surfaces of a shape, and fields of moved points.
 //
 // Each is a field of the fields that it takes, such as unite(Sphere{1}, Moved{Box{}, Vec3{0, 1, 0}}). Its
-// comment says what it makes of distances and of bounds. A bound is a field whose value is nowhere larger in
-// magnitude than the distance (shapes.hpp), which can be said of any combination; the surface is always
-// exact.
+// comment says what the operation makes of distances and of bounds. A bound is a field whose value is nowhere
+// larger in magnitude than the distance (shapes.hpp). A combination of distances that is only a bound
+// still has the surface of the combined shapes. Lengths are in scene units.
+//
+// Each operation has three functions: its value at a point, with any number type; bounds(level), a box that
+// contains all points where the field is at most `level` ≥ 0, but for roundings; and validate(), which throws
+// std::invalid_argument if one of its numbers or of its fields is not valid.
 #pragma once
 
 #include <algorithm>
@@ -22,9 +26,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI::fields {
 
-// ---- Rules by which values are joined. Each has join(a, b), and the box of the result from those of both.
+// ---- Rules by which values are joined. join(a, b) returns the joined value, and for two boxes, those of
+// both fields up to level_of_parts(level), a box of the points where the joined value is at most `level`.
 
-/// Union: the smaller value. A distance outside, a bound inside, of distances.
+/// Union: the smaller value. For distances it is the distance outside, and a bound inside.
 struct Smaller {
   template <class T>
   [[nodiscard]] T join(const T& a, const T& b) const {
@@ -40,7 +45,7 @@ struct Smaller {
   }
 };
 
-/// Intersection: the larger value. A distance inside, a bound outside, of distances.
+/// Intersection: the larger value. For distances it is the distance inside, and a bound outside.
 struct Larger {
   template <class T>
   [[nodiscard]] T join(const T& a, const T& b) const {
@@ -55,7 +60,7 @@ struct Larger {
   }
 };
 
-/// Difference: the first without the others, max(a, −b). A bound.
+/// Difference: the first shape without the others, max(a, −b). For distances and bounds it is a bound.
 struct Without {
   template <class T>
   [[nodiscard]] T join(const T& a, const T& b) const {
@@ -66,9 +71,10 @@ struct Without {
 };
 
 /// Smooth union: Quilez' polynomial minimum, min(a, b) − max(w − |a − b|, 0)²/(4w), below the minimum by at
-/// most w/4 where the values differ by less than w (https://iquilezles.org/articles/smin). A bound.
+/// most w/4 where the values differ by less than w (https://iquilezles.org/articles/smin). For distances and
+/// bounds it is a bound.
 struct SmoothlySmaller {
-  double width = 0.25;
+  double width = 0.25;  ///< w, a difference of values above 0
 
   template <class T>
   [[nodiscard]] T join(const T& a, const T& b) const {
@@ -123,19 +129,22 @@ struct JoinedList {
   }
 };
 
+/// Returns the union of two fields.
 template <class A, class B>
 [[nodiscard]] Joined<Smaller, A, B> unite(A a, B b) {
   return {std::move(a), std::move(b)};
 }
+/// Returns the intersection of two fields.
 template <class A, class B>
 [[nodiscard]] Joined<Larger, A, B> intersect(A a, B b) {
   return {std::move(a), std::move(b)};
 }
+/// Returns the shape of the first field without that of the second.
 template <class A, class B>
 [[nodiscard]] Joined<Without, A, B> subtract(A a, B b) {
   return {std::move(a), std::move(b)};
 }
-/// Returns the smooth union of two fields.
+/// Returns the smooth union of two fields whose values are blended where they differ by less than `width`.
 template <class A, class B>
 [[nodiscard]] Joined<SmoothlySmaller, A, B> blend(A a, B b, double width) {
   return {std::move(a), std::move(b), {width}};
@@ -160,9 +169,9 @@ struct Shell {
 template <class F>
 Shell(F, double) -> Shell<F>;
 
-/// Shape that is larger by a radius on all sides, whose corners and edges are round: value − radius. A
-/// distance outside of a distance's shape. A bound grows by more than the radius in places, and stays a
-/// bound.
+/// Shape that is larger by a radius on all sides, whose corners and edges are round: value − radius. For a
+/// distance it is the distance outside, and a bound inside. The shape of a bound grows by more than the
+/// radius in places, and the result is a bound.
 template <class F>
 struct Rounded {
   F field;
@@ -180,7 +189,7 @@ Rounded(F, double) -> Rounded<F>;
 
 // ---- Fields of moved points: the shape moves by the inverse of the map of the points.
 
-/// Shape moved by a vector. It keeps its kind.
+/// Shape moved by a vector. The field keeps its kind: distance, bound or implicit (shapes.hpp).
 template <class F>
 struct Moved {
   F field;
@@ -236,7 +245,8 @@ class Rotated {
   Affine turned_;  ///< images of the axes
 };
 
-/// Shape scaled by a factor above 0: factor · value at p/factor. It keeps its kind.
+/// Shape scaled by a factor above 0: factor · value at p/factor. It keeps its kind. 1/factor is rounded, so
+/// that the shape is larger or smaller by a share of 2^-53.
 template <class F>
 struct Scaled {
   F field;
@@ -273,7 +283,7 @@ Scaled(F, double) -> Scaled<F>;
 template <class F>
 struct Twisted {
   F field;
-  double degrees = 90;  ///< for each unit of length
+  double degrees = 90;  ///< angle for each unit of length along y
 
   template <class T>
   [[nodiscard]] T operator()(const FieldPoint<T>& p) const {
@@ -294,7 +304,7 @@ Twisted(F, double) -> Twisted<F>;
 template <class F>
 struct Bent {
   F field;
-  double degrees = 30;  ///< for each unit of length
+  double degrees = 30;  ///< angle for each unit of length along x
 
   template <class T>
   [[nodiscard]] T operator()(const FieldPoint<T>& p) const {
@@ -312,8 +322,8 @@ Bent(F, double) -> Bent<F>;
 
 /// Copies of a shape without end, in cells around multiples of `cell` along each axis where that is above 0;
 /// a copy is the mirror image of its neighbors. Hence the field does not jump at the border of two cells,
-/// whatever the shape, and what reaches beyond a cell is cut there. A bound of a bound. In a cell each
-/// coordinate is from −cell/2 to cell/2: cell · (fold(x/cell + ½) − ½).
+/// whatever the shape, and what reaches beyond a cell is cut there. For distances and bounds it is a bound.
+/// In a cell each coordinate is from −cell/2 to cell/2: cell · (fold(x/cell + ½) − ½), with 1/cell rounded.
 template <class F>
 struct Mirrored {
   F field;
@@ -340,8 +350,9 @@ template <class F>
 Mirrored(F, Vec3) -> Mirrored<F>;
 
 /// Copies of a shape at the multiples of a step along each axis, from 0 on, as many as `count` says: their
-/// union, with all neighbors that reach over the border of a cell. A distance outside of a distance's shape.
-/// Each evaluation takes one of the field for each copy.
+/// union, with all neighbors that reach over the border of a cell. For a distance it is the distance outside,
+/// and a bound inside. Each evaluation takes one of the field for each copy, of which there are at most
+/// most_copies.
 template <class F>
 struct Repeated {
   F field;
@@ -375,7 +386,7 @@ struct Repeated {
   }
 
  private:
-  /// Returns how far a copy is moved.
+  /// Returns the vector by which copy i is moved, for i from 0 to copies() − 1; x counts first, z last.
   [[nodiscard]] Vec3 place(int i) const {
     return {step.x * (i % count[0]), step.y * (i / count[0] % count[1]), step.z * (i / count[0] / count[1])};
   }

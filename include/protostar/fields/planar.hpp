@@ -1,5 +1,6 @@
 // Fields in a plane, and the solids that they make: extrusions along z, and revolutions around y. A bound is
-// a field whose value is nowhere larger in magnitude than the distance (shapes.hpp).
+// a field whose value is nowhere larger in magnitude than the distance (shapes.hpp). bounds(level) and
+// validate() are those of shapes.hpp, with rectangles for planar fields.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +18,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::fields {
 
-/// Rectangle along the axes that contains a planar shape.
+/// Rectangle along the axes that contains a planar shape; infinite if there is none.
 struct PlanarBounds {
   Uv min, max;
 };
@@ -88,8 +89,8 @@ class Polygon {
 
   /// Returns the rectangle of the points where the field is at most `level`, in units of length. Beside the
   /// corner c between sides with the unit normals n and m, the field is `level` at c + 2 level s/|s|² with
-  /// s = n + m, since n · s = m · s = |s|²/2. Normals are rounded, by which |s|² is off by 2^-51; where it is
-  /// below 2^-30, at an angle below 2^-15, and the level is above 0, the rectangle is infinite.
+  /// s = n + m, since n · s = m · s = |s|²/2. Normals are rounded, by which |s|² is off by 2^-51. The
+  /// rectangle is infinite if |s|² is below 2^-30, at an angle below 2^-15, and the level is above 0.
   [[nodiscard]] PlanarBounds bounds(double level = 0) const {
     PlanarBounds all{Uv(infinity), Uv(-infinity)};
     for (std::size_t i = 0; i < sides_.size(); ++i) {
@@ -120,8 +121,8 @@ class Polygon {
   std::vector<Side> sides_;
 };
 
-/// Planar field drawn out along z, with flat ends: the signed length of (value, |z| − height/2). A distance
-/// or a bound, as the planar field is.
+/// Planar field drawn out along z, with flat ends: the signed length of (value, |z| − height/2). It is a
+/// distance if the planar field is, and a bound if that is a bound.
 template <class F>
 struct Extruded {
   F field;
@@ -141,13 +142,13 @@ struct Extruded {
 template <class F>
 Extruded(F, double) -> Extruded<F>;
 
-/// Planar field turned around the y axis: its value at (|(x, z)| − radius, y). A distance or a bound, as the
-/// planar field is; if the planar shape reaches over the axis, what is beyond it does not count, and a
-/// distance is a bound.
+/// Planar field turned around the y axis: its value at (|(x, z)| − radius, y). It is a distance if the planar
+/// field is, and a bound if that is a bound. Parts of the planar shape beyond the axis do not count; if there
+/// are any, the field of a distance is a bound.
 template <class F>
 struct Revolved {
   F field;
-  double radius = 0;  ///< distance of the planar origin from the axis
+  double radius = 0;  ///< distance of the planar origin from the axis; of any sign
 
   template <class T>
   [[nodiscard]] T operator()(const FieldPoint<T>& p) const {

@@ -8,9 +8,12 @@
 // - implicit: only its sign and its zeros count.
 //
 // Marched needs no kind: it derives how fast a field changes. A bound or an implicit field takes more steps.
-// The formulas without another source are those of https://iquilezles.org/articles/distfunctions. The
-// function bounds(level) of a shape returns a box that contains all points where the field is at most `level`
-// ≥ 0.
+// The formulas without another source are those of https://iquilezles.org/articles/distfunctions.
+//
+// Each shape has three functions: its value at a point, with any number type; bounds(level), a box that
+// contains all points where the field is at most `level` ≥ 0, but for roundings; and validate(), which throws
+// std::invalid_argument unless each size is from 2^-400 to 2^400 scene units and each coordinate within
+// ±2^400 (magnitude.hpp), or for the reasons that its members tell.
 #pragma once
 
 #include <cmath>
@@ -27,7 +30,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::fields {
 
-/// Returns the box of the points whose coordinates are at most `half` in magnitude.
+/// Returns the box around the origin with the half sides `half`.
 [[nodiscard]] inline Bounds box_around_origin(const Vec3& half) { return {-half, half}; }
 
 /// Distance from a sphere: |p| − radius.
@@ -46,7 +49,7 @@ struct Sphere {
 /// seldom hold a unit vector, so the field is off by a share of 2^-52.
 struct Plane {
   Vec3 normal{0, 1, 0};  ///< a unit vector
-  double distance = 0;
+  double distance = 0;   ///< of the plane from the origin, along the normal; of any sign
 
   template <class T>
   [[nodiscard]] T operator()(const FieldPoint<T>& p) const {
@@ -217,7 +220,7 @@ struct Octahedron {
 };
 
 /// Bound of the distance from the wall of Gabriel's Horn, the surface |(y, z)| = 1/x, from its mouth at x = 1
-/// to x = end; the whole horn is infinitely long, with a finite volume and an infinite surface (Torricelli
+/// to x = `end`; the whole horn is infinitely long, with a finite volume and an infinite surface (Torricelli
 /// 1643). |(y, z)| − 1/x changes by at most √(1 + 1/x⁴) ≤ √2 for each unit of length, by which it is divided.
 struct GabrielsHorn {
   double end = 8;           ///< above 1

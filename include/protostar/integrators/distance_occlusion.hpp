@@ -31,7 +31,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
   SceneDistances distances;
 
-  /// Distance R in scene units beyond which surfaces occlude nothing, as in AmbientOcclusionIntegrator.
+  /// Distance R in scene units, above 0, beyond which surfaces occlude nothing, as in
+  /// AmbientOcclusionIntegrator.
   double distance;
 
   /// Prepares the distances of a scene; pictures of that scene can then be drawn. Throws

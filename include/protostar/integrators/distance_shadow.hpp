@@ -57,10 +57,11 @@ struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
 
   /// Returns the share V of a lamp that seems to be seen from a point, from 0 to 1.
   ///
-  /// At the way t towards the center, at the distance D, rays to the lamp of radius r fill a disk of the
-  /// radius k t about, k = r/D. A distance f there says that all of it is free if f ≥ k t, and all of it is
-  /// in a solid if f ≤ −k t. The least s = f/(k t) along the way decides: V is the share of a disk on one
-  /// side of a straight line at s radii from its center,
+  /// The lamp has the radius r and its center the distance D from the point. At the distance t on the way to
+  /// the center, rays to the lamp fill a disk with a radius of about k t, k = r/D. With the distance f from
+  /// the nearest surface there, the whole disk is free if f ≥ k t, and in a solid if f ≤ −k t. The least s =
+  /// f/(k t) along the way decides: V is the share of a disk on one side of a straight line at s radii from
+  /// its center,
   ///   V = ½ + (s √(1 − s²) + arcsin s)/π.
   ///
   /// A step from t looks for a smaller s. As f changes no faster than t, it is m k (t + δ) or more up to δ =

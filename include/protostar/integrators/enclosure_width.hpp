@@ -11,9 +11,8 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Integrator of the bits to which the t of a hit on a marched surface is proven: −log2((max − min)/t), with
-/// t in [min, max]. The radiance is the heat_color of their place between `fewest`, 0, and `most`, 1. Black
-/// if a ray hits nothing, hits a surface that is not marched, or only touches one, of which nothing is
-/// proven.
+/// t in [min, max]. The radiance is the heat_color of (bits − fewest)/(most − fewest). It is black if a ray
+/// hits nothing, hits a surface that is not marched, or touches a marched one without a proof.
 struct EnclosureWidthIntegrator {
   /// Every hit is proven to 30 bits (enclosure_width), and a double has 53: an enclosure whose ends are
   /// neighboring doubles has about 52.
@@ -26,9 +25,9 @@ struct EnclosureWidthIntegrator {
   template <Surface... S>
   explicit EnclosureWidthIntegrator(const Scene<S...>& scene) : marches(scene, "EnclosureWidthIntegrator") {}
 
-  /// Returns the bits to which the closest hit is proven, if it is on a marched surface; 0 for a touch. The
-  /// logarithm is exact at powers of 2 and interpolated linearly between them, which is too small by less
-  /// than 0.09; std::log2 would give other last digits on other machines. Throws
+  /// Returns the bits to which the closest hit is proven, nothing if it is not on a marched surface, and 0
+  /// for a touch. The logarithm is exact at powers of 2 and interpolated linearly between them, which is too
+  /// small by less than 0.09; std::log2 would give other last digits on other machines. Throws
   /// std::logic_error if the scene is not the one of the marches.
   [[nodiscard]] std::optional<double> bits(const Ray& ray, const auto& scene) const {
     marches.require(scene);

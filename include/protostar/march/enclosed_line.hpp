@@ -20,8 +20,8 @@ namespace protostar::inline PROTOSTAR_ABI::detail {
 struct ModerateLine : RoundedLine {
   double unit = 1;  ///< a power of two from 2^-1000 to 2^1000
 
-  /// Takes the line of a ray. The smallest doubles, 2^-1074, become 2^-74. Products that underflow are off by
-  /// 2^-1075, for which 2^-1060 stands.
+  /// Takes the line of a ray. The smallest direction, 2^-1074, becomes one of 2^-74. A component that
+  /// underflows is off by 2^-1075 at most; 2^-1060 is added to its error.
   explicit ModerateLine(const Ray& ray) : RoundedLine(rounded_line(ray)) {
     if (is_of_moderate_size(direction)) return;
     // The largest component comes to [1, 2), but for factors beyond 2^±1000.
@@ -34,14 +34,13 @@ struct ModerateLine : RoundedLine {
   }
 };
 
-/// Line of points whose coordinates are enclosed.
+/// Line of the points origin + t · direction, whose numbers are enclosed.
 template <class B>
 struct EnclosedLine {
   Enclosure<B> origin[3], direction[3];
 };
 
-/// Returns the line of a ray in double: exact, or for a ray that an instance has mapped, with the errors of
-/// its numbers.
+/// Returns a line in double as enclosed numbers: each number with its error on both sides.
 [[nodiscard]] inline EnclosedLine<double> enclosed_line(const RoundedLine& line) {
   EnclosedLine<double> result;
   for (int k = 0; k < 3; ++k) {

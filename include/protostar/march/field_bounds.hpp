@@ -15,7 +15,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Returns the largest side of a box. Throws std::invalid_argument for one in which nothing can be marched.
+/// Returns the largest side of a box. Throws std::invalid_argument unless all coordinates are within ±2^400
+/// and all sides are from 2^-400 to 2^400 (magnitude.hpp).
 [[nodiscard]] inline double largest_side(const Bounds& bounds) {
   for (int k = 0; k < 3; ++k) {
     const double low = bounds.min[k], high = bounds.max[k];
@@ -28,16 +29,17 @@ namespace detail {
   return std::max({size.x, size.y, size.z});
 }
 
-/// Returns a box that is wider by a margin on each side.
+/// Returns a box that is larger by a margin ≥ 0 on each of its six sides, rounded to nearest.
 [[nodiscard]] inline Bounds widened(const Bounds& bounds, double margin) {
   return {bounds.min - Vec3(margin), bounds.max + Vec3(margin)};
 }
 
 /// Returns a lower bound of the distance from a point to the surface of a field, up to rounding errors of
-/// double: |f| / Λ with the sign of f, for a field with the Lipschitz constant Λ. The surface counts inside a
-/// box only. A point p outside of the box has a nearest point q in it, and for each s in the box
-/// |p − s|² ≥ |p − q|² + |q − s|², since the angle at q is 90° or more. Hence the bound at q and the distance
-/// |p − q| are the legs of a right triangle, whose hypotenuse is the bound at p.
+/// double: |f| / Λ with the sign of f = value(q), for a field with the Lipschitz constant Λ = `lipschitz`.
+/// Only the part of the surface inside a box counts. A point p outside of the box has a nearest point q in
+/// it, and for each s in the box |p − s|² ≥ |p − q|² + |q − s|², since the angle at q is 90° or more. Hence
+/// the bound at q and the distance |p − q| are the legs of a right triangle, whose hypotenuse is the bound at
+/// p.
 [[nodiscard]] double distance_bound(const Point& p, const Bounds& box, double lipschitz, const auto& value) {
   Point q = p;
   for (int k = 0; k < 3; ++k) q[k] = std::clamp(p[k], box.min[k], box.max[k]);

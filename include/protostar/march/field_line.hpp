@@ -37,12 +37,12 @@ struct MarchSetup {
 
 namespace detail {
 
-/// Parameters from min to max of a line, or of one in each lane.
+/// Parameters t from min to max of a line, or of one in each lane; none if they are not in order.
 template <class R>
 struct Span {
   R min = R(-infinity), max = R(infinity);
 
-  /// Leaves the part where a coordinate o + t d is between two numbers.
+  /// Cuts the span to the part where a coordinate o + t d is between two numbers.
   void narrow(const R& o, const R& d, double low, double high) {
     const auto is_along = d == R(0.0), is_between = R(low) <= o && o <= R(high);
     const R a = (R(low) - o) / d, b = (R(high) - o) / d;
@@ -148,9 +148,9 @@ struct LineScale {
 
 }  // namespace detail
 
-/// A field F(t) along a ray. The sign turns it so that F > 0 on the side from which a march comes, and the
-/// level makes F(0) = 0 for a ray that leaves its surface. Trace is told of each evaluation
-/// (march_steps.hpp). It borrows all of them.
+/// Field F(t) = sign · (f(origin + t · direction) − level) along a ray. The sign makes F > 0 on the side from
+/// which a march comes, and the level makes F(0) = 0 for a ray that leaves its surface; it is 0 for others.
+/// The trace is told of each evaluation (march_steps.hpp). Field, set-up, ray and trace are borrowed.
 template <class F, class Trace>
 class FieldLine {
  public:
@@ -174,39 +174,40 @@ class FieldLine {
   /// Returns the part of the line inside the box of the field; empty if its ends are not in order.
   [[nodiscard]] Interval span() const { return line_.span; }
 
-  /// Returns what the parameters of this line are multiplied by for those of the ray.
+  /// Returns the factor from parameters t of this line to those of the ray.
   [[nodiscard]] double unit() const { return line_.unit; }
 
-  /// Bound of the error of value(t), infinite if double proves nothing on this line.
+  /// Returns a bound of the error of value(t); infinite if double proves nothing on this line.
   [[nodiscard]] double error() const { return scale_.error; }
 
-  /// Number by which a proven value is multiplied for the distance in t to which F keeps its sign.
+  /// Returns the factor from a proven value of F to the distance in t within which F keeps its sign.
   [[nodiscard]] double reach() const { return scale_.reach; }
 
   /// Tests whether second derivatives of F are known to be bounded from below.
   [[nodiscard]] bool is_bend_known() const { return detail::least_curvature(bound_, sign_) > -infinity; }
 
-  /// Number b ≥ 0 for which second derivatives of F are at least −b.
+  /// Returns a number b ≥ 0 for which second derivatives of F by t are at least −b, if there is one
+  /// (is_bend_known).
   [[nodiscard]] double bend() const {
     return scale_.bend * std::max(0.0, -detail::least_curvature(bound_, sign_));
   }
 
-  /// Half the size of the field's box, as a difference of t.
+  /// Returns half the largest side of the field's box, as a difference of t.
   [[nodiscard]] double extent() const { return scale_.extent; }
 
-  /// Difference in t that lies below the digits of points in double-double.
+  /// Returns a difference in t that is below the digits of points in double-double.
   [[nodiscard]] double resolution() const { return scale_.resolution; }
 
-  /// Tells the trace of a proof about [a, b], if there is one.
+  /// Tells the trace of a proof about the parameters [a, b] of this line, if `is_proven`.
   void proven(MarchProof proof, bool is_proven, double a, double b) {
     if (is_proven) trace_.proven(proof, a * unit(), b * unit());
   }
 
-  /// Turns F around: a march goes on behind a crossing, or leaves inward.
+  /// Sets the sign of F, 1 or −1: it changes where a march goes on behind a crossing, or leaves inward.
   void turn_to(double sign) { sign_ = sign, is_kept_ = false; }
   [[nodiscard]] double sign() const { return sign_; }
 
-  /// Takes f at t = 0 for the level. Its own error enters that of each value.
+  /// Makes f at t = 0 the level. The error of the level enters that of each value.
   void leave_level() {
     level_ = plain(0);
     level_error_ = scale_.error;
@@ -223,8 +224,9 @@ class FieldLine {
     return kept_;
   }
 
-  /// Returns F(t), enclosed; in double by the bound of its error. The difference from the level and the sums
-  /// here are rounded, each by u of its result.
+  /// Returns an enclosure of F(t): in double the value with its error on both sides, in double-double by
+  /// arithmetic of enclosures. The difference from the level and the sums here are rounded by u of their
+  /// results, for which 2^-50 |F| stands.
   template <class B>
   [[nodiscard]] Enclosure<B> enclosed(B t, bool /*asked*/ = true) {
     if constexpr (std::is_same_v<B, double>) {
@@ -237,8 +239,8 @@ class FieldLine {
     }
   }
 
-  /// Returns F over [a, b], enclosed, and the slope there: all F' lie in it, and so do all quotients (F(y) −
-  /// F(x)) / (y − x), at kinks as well.
+  /// Returns enclosures of the values and slopes of F over the parameters [a, b]. All derivatives by t lie in
+  /// that of the slopes, and so do all quotients (F(y) − F(x)) / (y − x), at kinks as well.
   template <class B>
   [[nodiscard, gnu::noinline]] Slope<Enclosure<B>> slope(B a, B b, bool /*asked*/ = true) {
     const auto& along = line<B>();

@@ -9,8 +9,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A field along the rays of a packet. None leaves the surface, and none is mapped by an instance. Each
-/// evaluation in a lane is told to the trace as that of a single ray.
+/// Field F(t) along the rays of a packet, one in each lane. The rays must not leave the field's surface, nor
+/// be mapped by an instance. The trace is told of each evaluation in a lane as of that of a single ray. The
+/// functions are those of FieldLine; `asked` are the lanes whose results are wanted, and results in other
+/// lanes may be anything. Field, bounds and trace are borrowed.
 template <class F, class Trace>
 class FieldLines {
  public:
@@ -28,13 +30,14 @@ class FieldLines {
         scale_(scale_of(setup, length(origin), length(direction),
                         simd::max(simd::abs(span_.min), simd::abs(span_.max)))) {}
 
-  /// Returns the lanes that can be marched: finite rays whose lengths are moderate, for which double proves
-  /// something.
+  /// Returns the lanes that can be marched: they have finite rays with directions of moderate size, and known
+  /// errors of values in double.
   [[nodiscard]] Truth is_known() const {
     return scale_.error < infinity && is_finite(origin_) && is_of_moderate_size(direction_);
   }
 
-  /// Returns where marches from the origins on begin; infinity where a ray is not in the box.
+  /// Returns the parameters at which marches forward from the origins begin, 0 or where the box begins;
+  /// infinity in lanes whose line has no part inside the box.
   [[nodiscard]] Number begin() const {
     const Truth is_there = span_.min < span_.max && simd::abs(span_.min) < infinity && span_.max < infinity;
     return select(is_there, simd::max(Number(0.0), span_.min), infinity);
@@ -59,14 +62,14 @@ class FieldLines {
     return kept_;
   }
 
-  /// Returns F(t) in the lanes that ask, enclosed by the bound of its error.
+  /// Returns an enclosure of F(t) in the lanes that ask: the value with its error on both sides.
   template <class B>
   [[nodiscard]] Enclosure<B> enclosed(B t, Truth asked) {
     const B v = value(t, asked), error = scale_.error + 0x1p-50 * simd::abs(v);
     return {v - error, v + error};
   }
 
-  /// Returns F over [a, b], enclosed, and the slope there, in the lanes that ask.
+  /// Returns enclosures of the values and slopes of F over [a, b], in the lanes that ask.
   template <class B>
   [[nodiscard]] Slope<Enclosure<B>> slope(B a, B b, Truth asked) {
     each(asked, [&](int lane) { trace_.evaluated(Evaluation::slope, a[lane], b[lane]); });

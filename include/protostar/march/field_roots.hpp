@@ -13,13 +13,13 @@ namespace protostar::inline PROTOSTAR_ABI {
 
 namespace detail {
 
-/// Place from which a march begins: no root lies between it and the last one. F is at least `known` there, if
-/// that is above 0.
+/// Parameter t from which a march begins: no root lies between the last root and t. If `known` is above 0, F
+/// is at least `known` at t.
 struct MarchStart {
   double t = 0, known = 0;
 };
 
-/// Turns F so that it is above 0 at t. Returns false if double-double does not tell its sign.
+/// Sets the sign of a line so that F(t) > 0. Returns false if double-double does not tell the sign of F(t).
 template <class Line>
 [[nodiscard]] bool is_turned_at(Line& line, double t) {
   const auto is_known = [&](const auto& F, const auto& zero) {
@@ -29,8 +29,9 @@ template <class Line>
   return is_known(line.enclosed(t), 0.0) || is_known(line.enclosed(DoubleDouble(t)), DoubleDouble(0.0));
 }
 
-/// Returns the nearest place behind t where double-double tells the sign of F, which is turned to be above 0,
-/// or the end of the line. The distance doubles from try to try.
+/// Returns a parameter behind t at which double-double tells the sign of F, and sets the sign of the line so
+/// that F > 0 there; or the end of the line. It is the first of some that are tried, at distances from t that
+/// double from try to try.
 template <class Line>
 [[nodiscard]] double decided_behind(Line& line, double t) {
   const double end = line.span().max;
@@ -69,8 +70,9 @@ template <class Line>
 }
 
 /// Calls visit(const MarchedRoot&) for the roots of a line in t > begin, near to far, until it returns true.
-/// If the ray leaves the surface, `begin` is 0, and the root 0 does not count, nor does it if F is 0 there to
-/// the last digit. A touch is two roots. Roots behind `stop` need not be visited.
+/// If the ray leaves the surface, `begin` is 0, and the root 0 is not visited; nor is it for another ray with
+/// begin = 0 if double-double does not tell the sign of F(0). A touch is visited twice. Roots behind `stop`
+/// need not be visited.
 template <class Line>
 void each_root(Line& line, double begin, double stop, bool leaves, const auto& visit) {
   const double end = line.span().max;
@@ -107,10 +109,10 @@ void each_root(Line& line, double begin, double stop, bool leaves, const auto& v
   }
 }
 
-/// Returns the root near t for comparisons with others: enclosed in double-double, to about 2^-95 of itself
-/// where the field allows. F must change its sign there and have one slope; otherwise t is off by as much as
-/// a march leaves it: 2^-30 of itself, or of the size of the bounds where a ray leaves at a grazing angle
-/// (narrowed_root).
+/// Returns the root of F near t, a parameter of the line, for comparisons with the roots of other surfaces:
+/// enclosed in double-double, to about 2^-95 of itself, where F changes its sign and its slopes have one
+/// sign. Elsewhere the root has the error of a march: 2^-30 of itself, or 2^-30 of the size of the bounds for
+/// a ray that leaves at a grazing angle (narrowed_root).
 template <class Line>
 [[nodiscard, gnu::noinline, gnu::cold]] ExactRoot enclosed_root(Line& line, double t) {
   const DoubleDouble zero(0.0);

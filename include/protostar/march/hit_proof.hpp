@@ -10,8 +10,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Largest width of an enclosure of t, as a share of t: roots are known to that, and t in the middle is
-/// closer yet.
+/// Largest width of an enclosure of the t of a root, as a share of t.
 inline constexpr double enclosure_width = Roots::relative_error;
 
 /// First crossing of a march, or how it ended without one.
@@ -46,7 +45,7 @@ struct ProvenRoots {
 template <class Line>
 using RootsOf = ProvenRoots<typename Line::Number, typename Line::Truth>;
 
-/// Returns true if an enclosure of t is narrow enough.
+/// Tests whether an enclosure [a, b] of t is at most enclosure_width · |t| wide for each t in it.
 template <class R>
 [[nodiscard]] auto is_narrow(const R& a, const R& b) {
   return b - a <= R(enclosure_width) * rounding::min(rounding::abs(a), rounding::abs(b));

@@ -25,14 +25,15 @@ class March {
   using R = typename Line::Number;  ///< double, or simd::Doubles
   using M = typename Line::Truth;   ///< bool, or a mask of lanes
 
-  /// Starts at t, up to which no root is left, and where F is at least `known`, if that is above 0. A march
-  /// to the end of the line proves a miss; one that comes to `stop` goes no farther, since no root behind it
-  /// is wanted. The steps, and with them the digits of the root, do not depend on `stop`.
+  /// Starts at the parameter t of the line, up to which all roots have been found. If `known` is above 0, F
+  /// is at least `known` at t. A march that comes to the end of the line proves a miss; one that comes to
+  /// `stop` goes no farther, since no root behind it is wanted. The steps, and with them the digits of the
+  /// root, do not depend on `stop`.
   March(Line& line, const R& t, double stop, const R& known = 0.0)
       : line_(line), t_(t), known_(known), before_(t), end_(line.span().max), stop_(stop) {}
 
-  /// Marches in double, in these lanes. Returns those where it proves nothing more. The others have met their
-  /// first root, or there is none.
+  /// Marches in double, in the lanes `live`. Returns the lanes in which double proves nothing more before the
+  /// march has ended. In all others the march has met its first root, or come to its end.
   [[nodiscard]] M in_double(M live) {
     M to_segments = live && R(0.0) < known_, to_balls = live && !to_segments, fails = false;
     while (any(live)) {
@@ -46,10 +47,12 @@ class March {
     return fails;
   }
 
-  /// Returns the first root.
+  /// Returns the first root of a single line, or a miss; in double, and where that does not suffice in
+  /// double-double.
   [[nodiscard]] MarchedRoot root() { return in_double(true) ? precise_root(before_) : found(); }
 
-  /// Returns the first root of a march that goes on in double-double. The last look at balls was at `before`.
+  /// Returns the first root of a single line whose march goes on in double-double, from where it is. `before`
+  /// is the t at which the march last tried balls.
   [[nodiscard]] MarchedRoot precise_root(double before) {
     for (;;) {
       const Segments after = march_by_segments<DoubleDouble>(true);
@@ -64,7 +67,7 @@ class March {
   /// Returns the roots that have been met.
   [[nodiscard]] const ProvenRoots<R, M>& roots() const { return roots_; }
 
-  /// Returns where the march is, and where the last look at balls was.
+  /// Return the t at which the march is, and the t at which it last tried balls.
   [[nodiscard]] const R& t() const { return t_; }
   [[nodiscard]] const R& before() const { return before_; }
 
@@ -187,7 +190,10 @@ class March {
     return to_segments;
   }
 
-  /// Marches by segments, with values in B.
+  /// Marches by segments, with enclosures in B, in the lanes `live`, until balls are faster again, B proves
+  /// nothing more, a root is met, or the march ends. A segment is empty if enclosures of its values and
+  /// slopes prove it (SegmentProof). It has one root if F falls all along and is below 0 at its end;
+  /// narrowed_root narrows it. All other segments are halved.
   template <class B>
   [[nodiscard]] Segments march_by_segments(M live) {
     using E = Enclosure<B>;

@@ -28,9 +28,9 @@ enum class MarchProof : std::uint8_t {
   touch         ///< not proven in double-double: the field comes nearer to 0 than its digits tell
 };
 
-/// Trace of a march that listens to nothing. A trace of your own has the same two functions: it is told of
-/// each evaluation over a ≤ t ≤ b, and then of what it proves about a segment of the ray. After a sign change
-/// or a touch the segment is the enclosure of t.
+/// Trace of a march that ignores everything. A trace of your own has the same two functions: evaluated() is
+/// called for each evaluation over a ≤ t ≤ b, and proven() for each part a ≤ t ≤ b of the ray about which
+/// something is proven. For a sign change or a touch [a, b] is the enclosure of the crossing's t.
 struct NoTrace {
   void evaluated(Evaluation, double /*a*/, double /*b*/) {}
   void proven(MarchProof, double /*a*/, double /*b*/) {}
@@ -38,10 +38,11 @@ struct NoTrace {
 
 struct MarchSetup;
 
-/// Trace that is called through virtual functions, so that one can be given to a march of any field. It is
-/// also told of the result of each evaluation: an enclosure of the value, or in double the value itself,
-/// whose error the surface's set-up bounds; and of the slope, if that was evaluated, otherwise 0. The results
-/// have the sign for which the march comes from where the field is above 0.
+/// Trace that is called through virtual functions, so that one can be given to a march of any field. Its
+/// evaluated() takes the result of the evaluation as well: an enclosure of the value, or for a plain value in
+/// double that value as both ends, with the error that the surface's set-up bounds; and an enclosure of the
+/// slope by t, or 0 where no slope was evaluated. Results have the sign that makes F > 0 where the march
+/// comes from.
 class MarchListener {
  public:
   /// Enclosures by their ends, which are rounded to double if they are in double-double.

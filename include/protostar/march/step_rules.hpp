@@ -50,8 +50,10 @@ struct StepRules {
     return R(1.0) + R(0.9) * rounding::min(rounding::max(R(0x1p-11), ratio), R(19.0));
   }
 
-  /// Returns a distance behind the second of two values within which F > 0 is proven, if F'' ≥ −b: F + ½ b t²
-  /// is convex, and lies above the line through the two behind them. With w = t₁ − t₀ and q ≤ (F₁ − F₀)/w,
+  /// Returns a distance in t behind the second of two values within which F > 0 is proven, for the plain
+  /// values v₀ = `first` at t₀ and v₁ = `second` at t₁ = t₀ + `way`, off by E = `error` each, and F'' ≥ −b, b
+  /// = `bend`: F + ½ b t² is convex, and lies above the line through its two values behind them. With w = t₁
+  /// − t₀ and q ≤ (F₁ − F₀)/w,
   ///   F(t₁ + s) ≥ F₁ + q s − ½ b s (s + w) = F₁ + p s − ½ b s²,   p = q − ½ b w.
   /// This stays above 0 up to (p + r)/b = 2F₁/(r − p), r = √(p² + 2 b F₁); the first is taken for p > 0 and
   /// the second otherwise, so that nothing cancels. It is ∞ for b = 0 and p ≥ 0.
@@ -79,20 +81,22 @@ struct StepRules {
     return R(1.5) * bend * reach * radius <= trend * trend;
   }
 
-  /// Returns the trend of the radius, for the comparison with the last one.
+  /// Returns the trend m = gain/way of the radius, cut to −0.999 … 0.9, which is compared with that of the
+  /// last step (is_straight).
   template <class R>
   [[nodiscard]] static R trend(const R& gain, const R& way) {
     return rounding::min(rounding::max(R(-0.999), gain / way), R(0.9));
   }
 
-  /// Returns true if balls shrink about as fast as at the last step, so that F is nearly straight.
+  /// Tests whether balls shrink about as fast as at the last step, by trends of both, so that F is nearly
+  /// straight.
   template <class R>
   [[nodiscard]] static auto is_straight(const R& trend, const R& last) {
     return trend < R(-0.02) && rounding::abs(trend - last) < R(-0.25) * trend;
   }
 };
 
-/// Proof that F > 0 over a segment, and a lower bound of F at its end.
+/// Proof that F > 0 over a segment, if `is_empty`, and a lower bound of F at its end, `at_end`.
 template <class B>
 struct SegmentProof {
   typename Enclosure<B>::Truth is_empty;

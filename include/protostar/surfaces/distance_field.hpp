@@ -31,8 +31,8 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 
 /// Surface of a field: the points inside the bounds where the field is 0. The inside is the points where it
 /// is below 0. It is made of the field and the bounds: `Marched{field, Bounds{...}}`. Points in the bounds
-/// surely count, also in a face of them. Points beyond them may, up to 2^-10 of the largest side, and as far
-/// as two last places of t go besides.
+/// surely count, also in a face of them. Points outside may count as well, up to a distance of 2^-10 of the
+/// largest side and two last places of t.
 ///
 /// A DistanceField is a generic function of a point, as [](const auto& p) { return length(p) - 1.0; }. From
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
@@ -65,7 +65,7 @@ class Marched<F> {
   /// bounded slope or value in them, or is found to jump.
   Marched(F field, const Bounds& bounds, int evaluations = usual_evaluations) : field_(std::move(field)) {
     validate_each(field_);
-    // Points of rays may come out beyond that by as much again.
+    // Rounded points of rays may lie outside of `inside` by as much again.
     setup_.margin = 0x1p-10 * detail::largest_side(bounds);
     setup_.inside = detail::widened(bounds, setup_.margin);
     setup_.bound = lipschitz_bound(field_, detail::widened(setup_.inside, setup_.margin), evaluations);
@@ -103,8 +103,8 @@ class Marched<F> {
     return root ? std::optional(root->first) : std::nullopt;
   }
 
-  /// Returns the first crossings of rays in lanes, in a range from 0 on, with the bits of single rays. The
-  /// trace is told of their evaluations in turn.
+  /// Returns the first crossings of the active rays in a range, with the bits of single rays, which march
+  /// together if the range begins at 0 and none may depart. The trace is told of evaluations in turn.
   template <class Trace>
   [[nodiscard]] FirstOfLanes first_of_lanes(const RayLanes& rays, Interval range, Trace& trace) const {
     using simd::Doubles, simd::LaneMask;
