@@ -357,6 +357,31 @@ TEST_CASE("the irradiance by a disk that the horizon cuts is the integral over t
   CHECK(disk_irradiance({2, 0, 0}, normalize(Vec3{-.1, 1, .1}), {0, 0, 0}, {0, 0, 1}, 1) < 1e-20);
 }
 
+TEST_CASE("a point on the rim of a disk, or within rounding of it, has an irradiance from 0 to π") {
+  const Vec3 wall{-0.8, 0, 0.6}, axis{0, 0, 1};
+  CHECK(disk_irradiance({1, 0, 0}, wall, {0, 0, 0}, axis, 1) == 0);
+  CHECK(disk_irradiance({1, 0, 0}, {-1, 0, 0}, {0, 0, 0}, axis, 1) == 0);
+  // Without care, the argument of a logarithm becomes 0 or negative, and its table is read outside.
+  Random random(23);
+  WrongCases wrong(random);
+  for (int i = 0; i < 500; ++i) {
+    const double h = std::exp2(random.real(-300, -40)), r = 1 + std::exp2(random.real(-120, -40));
+    const Vec3 normal = normalize(random.point(1));
+    const double turn = random.real(0, 6);
+    const Point point{r * std::cos(turn), r * std::sin(turn), i % 3 == 0 ? 0 : h};
+    const Point at_axis{0, i % 2 == 0 ? r : 1 - 0x1p-53, i % 3 == 0 ? -h : h};
+    for (const Point& p : {point, at_axis}) {
+      const double irradiance = disk_irradiance(p, normal, {0, 0, 0}, axis, 1);
+      wrong.add(!(0 <= irradiance && irradiance <= std::numbers::pi * (1 + 0x1p-40)), p, normal, irradiance);
+    }
+  }
+  CHECK(wrong == 0);
+  // The horizon is parallel to the disk but for 1e-270.
+  const double below =
+      disk_irradiance({1, 1, 0.2}, {1, 0x1p-900, 0x1p-900}, {2, 0, 0.5}, {1e30, -1, -0.5}, 1e30);
+  CHECK(std::abs(below / std::numbers::pi - 1) < 1e-12);
+}
+
 TEST_CASE("irradiance above the horizon less that below is linear in the normal, for a disk in any place") {
   Random random(12);
   WrongCases wrong(random);

@@ -8,6 +8,7 @@
 // faces the light.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -168,10 +169,12 @@ class LambertSum {
 namespace detail {
 
 /// Returns log((1 + x)/(1 − x))/x for |x| < 1: 2 (1 + x²/3 + x⁴/5 + …) for small x, of which the first term
-/// left out is below 2^-100 of it.
+/// left out is below 2^-100 of it. The formula has no value from ±1 on, where rounding may bring x:
+/// magnitudes above 1 − 2^-100 count as that.
 [[nodiscard]] inline DoubleDouble logarithm_over(DoubleDouble x) {
-  if (std::abs(x.hi) >= 0x1p-6) {
+  if (const DoubleDouble size = abs(x); size.hi >= 0x1p-6) {
     const DoubleDouble log_2{0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56};
+    if (!((1.0 - size).hi > 0x1p-100)) return log_2 * log2(DoubleDouble(0x1p101));
     return log_2 * log2((1.0 + x) / (1.0 - x)) / x;
   }
   const DoubleDouble square = x * x;
@@ -212,9 +215,14 @@ struct DiskFromPoint {
   e1 = (DoubleDouble(1) / length(e1)) * e1;
   const PreciseVector e2 = cross(unit, e1);
   const DoubleDouble A = dot(n, e1), B = dot(n, e2), S = sqrt(A * A + B * B), H = dot(n, to);
-  const DoubleDouble RS = R * S, cosine = -H / RS, rest = (RS - H) * (RS + H);
+  // If S underflows, the horizon is parallel to the disk, all of which is on one side of it.
+  const bool is_oblique = S.hi > 0;
+  const DoubleDouble RS = R * S, rest = (RS - H) * (RS + H);
+  const DoubleDouble cosine = is_oblique ? -H / RS : DoubleDouble(H.hi < 0 ? 1 : -1);
   const DoubleDouble sine = rest.hi > 0 ? sqrt(rest) / RS : DoubleDouble(0);
-  const DoubleDouble cosine0 = A / S, sine0 = B / S, delta = precise_angle_of(sine, cosine);
+  const DoubleDouble cosine0 = is_oblique ? A / S : DoubleDouble(1),
+                     sine0 = is_oblique ? B / S : DoubleDouble(0);
+  const DoubleDouble delta = precise_angle_of(sine, cosine);
 
   const DoubleDouble square = rho * rho + h * h, P = square + R * R, Q = 2.0 * rho * R;
   const DoubleDouble near = rho - R, far = rho + R;
@@ -248,21 +256,24 @@ struct DiskFromPoint {
 
 /// Returns the irradiance by a disk, of which only the part above the horizon counts. The error is below 32u
 /// of that of a surface facing the light; for a disk that the horizon cuts, below 2^-41 of it if the disk
-/// spans an angle above 2^-28.
+/// spans an angle above 2^-28. A point on the rim, from where no angle is right, gets 0. `disk_normal` may
+/// have any length but 0; the radius is greater than 0.
 ///
 /// With h and ρ, the distances of the point from the plane and from the axis, l1 and l2, those from the
 /// nearest and farthest points of the rim, and s = (ρ − R)(ρ + R) + h², a surface parallel to the disk gets π
 /// (l1 l2 − s)/(2 l1 l2), where l1² l2² = s² + (2Rh)², and a perpendicular one that faces the axis 2π h ρ
 /// R²/(l1 l2 (h² + ρ² + R² + l1 l2)). On the axis, the first is π R²/(R² + h²).
 [[nodiscard]] inline double disk_irradiance(const Point& point, const Vec3& normal, const Point& center,
-                                            const Vec3& disk_normal, double any_radius) {
-  const int exponent = exponent_of({center - point, Vec3{any_radius, 0, 0}});
+                                            const Vec3& disk_normal, double radius) {
+  const int exponent = exponent_of({center - point, Vec3{radius, 0, 0}});
   const PreciseVector to = scaled_difference(center, point, -exponent), axis(of_moderate_size(disk_normal));
-  const double R = scaled({any_radius, 0, 0}, -exponent).x;
+  const double R = scaled({radius, 0, 0}, -exponent).x;
   const DoubleDouble size = length(axis), z = dot(to, axis) / size, h = abs(z);
   const PreciseVector n(normal), unit = (DoubleDouble(z.hi < 0 ? -1 : 1) / size) * axis;
   const PreciseVector sideways = to + (-h) * unit;
   const DoubleDouble rho = length(cross(axis, to)) / size;
+  const double near = static_cast<double>(rho - R), far = static_cast<double>(rho + R), h2 = h.hi * h.hi;
+  if (!(near * near + h2 > 0)) return 0;  // on the rim
 
   // The center is at `height` over the horizon, and the rim reaches ± R sin(disk, horizon) from there.
   const DoubleDouble height = dot(n, to), reach = DoubleDouble(R) * length(cross(n, unit));
@@ -270,7 +281,6 @@ struct DiskFromPoint {
   if ((height - reach).hi < 0)
     return detail::cut_disk_irradiance({to, unit, sideways, h, rho, DoubleDouble(R)}, n);
 
-  const double near = static_cast<double>(rho - R), far = static_cast<double>(rho + R), h2 = h.hi * h.hi;
   const double l1l2 = std::sqrt((near * near + h2) * (far * far + h2)), s = near * far + h2, Rh = R * h.hi;
   const double facing = s > 0 ? 2 * Rh / (l1l2 + s) * (Rh / l1l2) : (l1l2 - s) / (2 * l1l2);
   // The part sideways has the factor ρ of the vector `sideways`.
