@@ -210,6 +210,14 @@ TEST_CASE("means over samples are those of the filter: of a constant, and of a w
   }
 }
 
+TEST_CASE("a gaussian filter of any deviation has its places around the center") {
+  for (const double deviation : {1e-320, 1e-200, 1e-154, 1e-100, 1e-3}) {
+    const auto place = ReconstructionFilter::gaussian(1.5, deviation)(0.5, 0.5);
+    CHECK(std::abs(place.x - 0.5) < 1e-12);
+    CHECK(std::abs(place.y - 0.5) < 1e-12);
+  }
+}
+
 TEST_CASE("filters without a size or name are refused with a message that says what is allowed") {
   CHECK_THROWS_WITH(ReconstructionFilter::box(0),
                     ContainsSubstring("width of box must be greater than 0") && ContainsSubstring("it is 0"));

@@ -72,7 +72,7 @@ class ReconstructionFilter {
     require_length("radius of gaussian", radius);
     require_length("deviation of gaussian", deviation);
     const auto bell = [=](double x) {
-      const double ratio = x / deviation;
+      const double ratio = std::min(x / deviation, 0x1p500);  // of which the square is finite
       return static_cast<double>(exp2(DoubleDouble(-ratio * ratio / 2) * detail::log2_e));
     };
     return {radius, {-radius, radius}, {256}, [=](double x) { return bell(x) - bell(radius); }};
