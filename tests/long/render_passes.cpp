@@ -328,6 +328,9 @@ TEST_CASE("every pixel is known no better than its samples count, and its float 
     CHECK_THAT(message_of<std::invalid_argument>([&] { drawn(wrong); }),
                ContainsSubstring("must be greater than 2^-48 (3.6e-15)"));
   }
+  for (const double clamp : {0.0, infinity, std::numeric_limits<double>::quiet_NaN()})
+    CHECK_THAT(message_of<std::invalid_argument>([&] { EveryPixel(0.1, clamp, one); }),
+               ContainsSubstring("EveryPixel: clamp must be finite and greater than 0"));
 }
 
 TEST_CASE("progress of passes never goes back, and the report goes with it") {

@@ -36,18 +36,18 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// picture's value is the mean as a float, and its rounding to one is a part of the error too.
 class EveryPixel {
  public:
-  /// Makes the rule for the pixels of a tile. Throws std::invalid_argument unless the error and the clamp are
-  /// finite, the error is greater than 2^-48, and the clamp greater than 0.
+  /// Makes the rule for the pixels of a tile: no channel, clamped to [0, clamp], may be off by more than the
+  /// error, in linear light. Throws std::invalid_argument unless both are finite, the error is greater than
+  /// 2^-48, and the clamp greater than 0.
   EveryPixel(double error, double clamp, const Tile& area)
-      : rule_(std::min<double>(clamp, ExactSum::most), target_of(error),
-              (1 - PictureError::confidence) / channels(area)),
+      : rule_(most_of(clamp), target_of(error), (1 - PictureError::confidence) / channels(area)),
         in_observation_(samples_of_observation(rule_)),
         area_(area) {}
 
-  /// Returns the number of samples of a block: one observation for each scrambling.
+  /// Returns the number of samples of each pixel in a block, which make one observation for each scrambling.
   [[nodiscard]] std::uint32_t samples_of_block() const { return scramblings * in_observation_; }
 
-  /// Returns the least number of samples that the rule takes, however little they differ.
+  /// Returns the least number of samples of each pixel that the rule takes, however little they differ.
   [[nodiscard]] double least_samples() const {
     return std::ceil(rule_.least_observations() / scramblings) * samples_of_block();
   }
@@ -57,8 +57,9 @@ class EveryPixel {
     return i == 0 ? seed : sampling::mix(seed + i * sampling::golden);
   }
 
-  /// Moves the samples of a block to those of the picture, and returns the largest error that any channel of
-  /// their means may have, as the picture shows them.
+  /// Moves the samples of a block to those of the picture, which leaves the block empty. Returns the largest
+  /// error that a channel of the picture's means may have. Both films have the tile of the rule, and the
+  /// block samples_of_block() samples in each pixel.
   [[nodiscard]] double add(Film& block, Film& picture, const RenderOptions& options) {
     if (sequences_.empty())
       sequences_.resize(static_cast<std::size_t>(channels(area_)), BernsteinSequence(rule_));
@@ -84,6 +85,14 @@ class EveryPixel {
   }
 
  private:
+  /// Returns the largest value of a channel with a clamp: a sum counts no number above ExactSum::most.
+  static double most_of(double clamp) {
+    if (!(clamp > 0 && std::isfinite(clamp)))
+      throw std::invalid_argument("EveryPixel: clamp must be finite and greater than 0; it is " +
+                                  shown(clamp));
+    return std::min<double>(clamp, ExactSum::most);
+  }
+
   /// Returns the part of an error that is left to the sequences.
   static double target_of(double error) {
     if (!(error > ExactSum::largest_rounding))
