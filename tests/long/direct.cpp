@@ -115,6 +115,23 @@ TEST_CASE("a closed mesh is chosen as often as another lamp of its visible area 
   }
 }
 
+TEST_CASE("lamps without an area bring no light, also if there are more of them than rays") {
+  MeshData line;
+  line.vertices = {{0, 1, 4}, {1, 1, 4}, {2, 1, 4}};
+  line.triangles = {{0, 1, 2}};
+  Scene<Plane, Mesh> scene;
+  scene.add(Plane{}, Material{.diffuse = Color{0.5f}, .glossy = Color{0.5f}, .roughness = 0.5});
+  for (int i = 0; i < 2; ++i) scene.add(Mesh(line), lamp(1));
+  DirectIntegrator direct(scene);
+  const auto hit = scene.intersect(Ray{.origin = {0, 1, 0}, .direction = {0.1, -1, 0.2}}, Interval{});
+  REQUIRE(hit);
+  for (const int most_rays : {1, 16}) {
+    direct.most_rays = most_rays;
+    for (std::uint32_t i = 0; i < 8; ++i)
+      CHECK(direct.shade(*hit, scene, SobolSampler({.sample = i, .samples = 8})) == Color{0});
+  }
+}
+
 TEST_CASE("direct light of several lamps adds up, with one ray for each or as many as are allowed") {
   Scene<Plane, Sphere, Parallelogram> scene;
   scene.add(Plane{{0, 1, 0}, 0}, matte);

@@ -27,14 +27,15 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///
 /// A material's glossy lobe reflects lights at a point or in a direction, area lights, and what else a mirror
 /// sees that sends out light itself: the sky and other surfaces with an emission. A direction that the lobe
-/// draws is traced for it (light_at_hit.hpp). Ambient light and the sky's light on matte surfaces are not
-/// reflected by it.
+/// draws is traced for it (light_at_hit.hpp). The lobe does not reflect ambient light, and matte surfaces do
+/// not reflect the sky.
 struct DirectIntegrator : FirstHit<DirectIntegrator> {
   AreaLights lights;
 
-  /// Largest number of rays to area lights for one hit. If there are no more lights, each gets a ray, and
-  /// chance decides only about the place on the light. If there are more, as many rays are drawn, each to a
-  /// light that is chosen with a probability in proportion to its power; so the time of a hit has a bound.
+  /// Largest number of rays to area lights for one hit, at least 1. If there are at most so many lights, each
+  /// gets a ray, and only the place on the light is random. If there are more lights, most_rays rays are
+  /// cast, each to a light that is chosen with a probability in proportion to its power; so the time of a hit
+  /// has a bound.
   int most_rays = 16;
 
   /// Prepares the lights of a scene; pictures of that scene can then be drawn.
@@ -68,7 +69,7 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
   }
 
  private:
-  /// Returns an estimate of the light of all area lights.
+  /// Returns an estimate of the light of all area lights. pairs.next() returns two numbers in (0, 1).
   [[nodiscard]] ReflectedLight light_of_areas(const Reflector& at, const auto& scene, auto& pairs) const {
     const std::vector<AreaLight>& all = lights.lights();
     const auto rays = static_cast<std::uint32_t>(most_rays);
@@ -77,6 +78,7 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
       for (const AreaLight& one : all) sum += one.light_by_ray(at, scene, pairs.next(), 1);
       return sum;
     }
+    if (!(lights.by_power().whole() > 0)) return sum;  // all lights are meshes without an area
     // One number chooses all lights: (k + u)/n for k from 0 to n − 1, so that each share of 1/n of all power
     // gets one ray, and each light n times its share on average.
     const double u = pairs.next().x;
