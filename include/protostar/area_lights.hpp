@@ -51,11 +51,12 @@ class AreaLight {
   };
   using Shape = std::variant<Sphere, PreparedParallelogram, Disk, Triangle, std::shared_ptr<const Triangles>>;
 
-  /// `surface` is the surface in its scene, by which hits on it are recognized; the shape is where it was
-  /// made.
+  /// Makes a light of a shape, at the place where it was made, that moves as `motion` says. `surface` is the
+  /// surface's address in its scene, by which hits on it are recognized.
   AreaLight(Shape shape, const Color& emission, const void* surface, const Motion& motion = {})
       : shape_(std::move(shape)), emission_(emission), surface_(surface), motion_(motion) {}
 
+  /// Returns the radiance that the light sends out, and the address of its surface in the scene.
   [[nodiscard]] const Color& emission() const { return emission_; }
   [[nodiscard]] const void* surface() const { return surface_; }
 
@@ -75,8 +76,8 @@ class AreaLight {
   }
 
  public:
-  /// Draws a direction from a point at a time with two numbers in (0, 1). `triangle` is the primitive that
-  /// was drawn; 0 for a light without primitives.
+  /// Draws a direction from a point at a time with two numbers from [0, 1). The result's `triangle` is the
+  /// primitive of the light to which it leads; 0 for a light without primitives.
   [[nodiscard]] MeshSample sample(const Point& from, double u, double v, double time = 0) const {
     const Point at_rest = motion_.at_rest(from, time);
     return visit([&]<class T>(const T& shape) -> MeshSample {
@@ -99,8 +100,8 @@ class AreaLight {
     return hit.surface() == surface_ && static_cast<std::size_t>(hit.primitive()) == triangle;
   }
 
-  /// Returns the density with which sample draws the direction from a point to a hit on this light: alike by
-  /// solid angle, for each triangle of a mesh by itself.
+  /// Returns the density, in 1/steradian, with which sample draws the direction from a point to a hit on this
+  /// light; on a mesh, the density for the triangle that is hit.
   [[nodiscard]] double density(const Point& from, const Intersection& hit) const {
     const Point at_rest = motion_.at_rest(from, hit.time());
     return visit([&]<class T>(const T& shape) {
@@ -111,9 +112,10 @@ class AreaLight {
     });
   }
 
-  /// Returns an estimate of the light that a hit reflects from this light, by one ray to it: two numbers in
-  /// (0, 1) draw a direction, unless it is known already, and the light counts, times the weight, if the ray
-  /// hits it first.
+  /// Returns an estimate of the light that a hit reflects from this light, by one ray to it. Two numbers from
+  /// [0, 1) draw a direction, unless `known` is a direction that has been drawn already. If the ray along it
+  /// meets the light first, the light counts times the weight: 1 over the expected number of rays to this
+  /// light.
   [[nodiscard]] ReflectedLight light_by_ray(const Reflector& at, const auto& scene, const Uv& numbers,
                                             double weight, const LightSample* known = nullptr) const {
     const auto [drawn, triangle] =
@@ -144,10 +146,10 @@ class AreaLight {
     });
   }
 
-  /// Returns the area that a viewer sees of the light, on average over all directions from which it may be
-  /// looked at: a quarter of a sphere and of a convex closed mesh, and half of what is flat (Cauchy).
-  /// Triangles of other meshes count as if they did not hide each other, except that half of those of a
-  /// closed one are turned away.
+  /// Returns the area that the light covers in a viewer's sight, across the line of sight and on average over
+  /// all directions of that line, in square units (Cauchy). It is a quarter of the area of a sphere or of a
+  /// convex closed mesh, and half of the area, counted once, of a flat shape. Triangles of other meshes count
+  /// as if they did not hide each other, except that half of those of a closed one are turned away.
   [[nodiscard]] double visible_area() const {
     return visit([]<class T>(const T& shape) -> double {
       if constexpr (std::is_same_v<T, Sphere>)
@@ -224,6 +226,7 @@ class AreaLights {
   template <Surface... S>
   explicit AreaLights(const Scene<S...>& scene);
 
+  /// Returns the lights, in the scene's order.
   [[nodiscard]] const std::vector<AreaLight>& lights() const { return lights_; }
 
   /// Returns how many surfaces emit light, but are none of the lights, as no directions are drawn to them.
@@ -255,8 +258,8 @@ class AreaLights {
   void require(const auto& scene) const { scene_.require(scene, "AreaLights"); }
 
   /// Returns the radiance of a matte surface, L_e + ρ/π · Σ E, with its emission L_e and its color as the
-  /// albedo ρ. irradiance_of(light) is E of a Light of the scene, and share_of(light) E/π of an AreaLight of
-  /// the radiance 1. Throws std::logic_error as require does.
+  /// albedo ρ. irradiance_of(light) returns the irradiance E of a Light of the scene, and share_of(light)
+  /// that of an AreaLight if its radiance were 1, over π. Throws std::logic_error as require does.
   [[nodiscard]] Color matte_radiance(const Intersection& hit, const auto& scene, const auto& irradiance_of,
                                      const auto& share_of) const {
     require(scene);

@@ -44,6 +44,8 @@ class EnvironmentLight {
   /// Cells of the grid for a function that is no image.
   static constexpr int columns_of_function = 256, rows_of_function = 128;
 
+  /// Prepares the environment of a scene, or of a view of one. Directions are not drawn to a sky, nor without
+  /// an environment.
   template <class S>
   explicit EnvironmentLight(const S& scene);
 
@@ -61,7 +63,7 @@ class EnvironmentLight {
   /// Returns true if some directions are better than others; only then they are drawn, and have a density.
   [[nodiscard]] bool has_places() const { return !heights_.empty(); }
 
-  /// Draws a direction by two numbers in (0, 1).
+  /// Draws a direction with two numbers from [0, 1). Precondition: has_places().
   [[nodiscard]] DirectionAndDensity sample(double u, double v) const {
     const auto [column, row, probability, x, y] = cells_.choose(u, v);
     const double height = heights_[row] + y * (heights_[row + 1] - heights_[row]);
@@ -71,7 +73,8 @@ class EnvironmentLight {
     return {{r * sine, 1 - height, r * cosine}, probability / solid_angle(row)};
   }
 
-  /// Returns the density of a unit direction.
+  /// Returns the density, in 1/steradian, with which sample draws a unit direction. Precondition:
+  /// has_places().
   [[nodiscard]] double density(const Vec3& direction) const {
     const double height = 1 - direction.y,
                  turn = polar_angle(direction.x, direction.z) / (2 * std::numbers::pi);
@@ -132,7 +135,7 @@ class EnvironmentLight {
         w, h, [&](int x, int y) { return light(x, y) + mean * solid_angle(static_cast<std::size_t>(y)); });
   }
 
-  /// Returns the solid angle of a cell in a row.
+  /// Returns the solid angle of each cell of a row, in steradians.
   [[nodiscard]] double solid_angle(std::size_t row) const {
     return 2 * std::numbers::pi / columns_ * (heights_[row + 1] - heights_[row]);
   }

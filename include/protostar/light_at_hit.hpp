@@ -49,16 +49,16 @@ struct ReflectedLight {
   }
 };
 
-/// A hit, as rays that leave it need to know it. What several rays have in common is computed once: the
-/// normals, and what the rays depart from.
+/// Hit, with all that the rays to lights need of it. The normals and the departure, which these rays have in
+/// common, are computed once. Borrows the hit.
 struct Reflector {
   const Intersection& hit;
   Vertex vertex;
-  bool is_matte;
-  std::optional<GlossyLobeAt> glossy;
+  bool is_matte;                       ///< true if the albedo is not black
+  std::optional<GlossyLobeAt> glossy;  ///< empty if the material has no glossy lobe
 
-  /// Density of directions of the glossy lobe, for each that its sample draws: the probability of drawing it
-  /// at all.
+  /// Probability that the path goes on by the glossy lobe. Times the density of the lobe's directions, it is
+  /// the density against which rays to lights are weighed (power_heuristic).
   double glossy_probability = 1;
 
   Reflector(const Intersection& at, const Color& albedo)
@@ -70,14 +70,15 @@ struct Reflector {
   /// Returns the ray from the hit in a direction of any length (Intersection::leave).
   [[nodiscard]] Ray leave(const Vec3& direction) const { return away_.with_direction(direction); }
 
+  /// Makes a ray that one from the hit (Ray::follow).
   void leave(const Vec3& direction, Ray& ray) const { ray.follow(away_, direction); }
 
   /// Returns true if light may be reflected.
   [[nodiscard]] bool reflects() const { return is_matte || glossy.has_value(); }
 
-  /// Returns the light from a direction that was drawn with a density, times a weight, where radiance()
-  /// traces the ray there and returns the radiance of the light, or black if it is hidden. The ray is traced
-  /// only if its light counts.
+  /// Returns the light from a unit direction that was drawn with a density in 1/steradian, times a weight: 1
+  /// over the expected number of rays to that light. radiance() traces the ray there and returns the radiance
+  /// of the light, or black if it is hidden; it is called only if the light counts.
   [[nodiscard]] ReflectedLight light_by_ray(const Vec3& direction, double density, double weight,
                                             const auto& radiance) const {
     // The limit is a float, so that black stays black, and no light that is likely to be chosen exceeds it.
@@ -99,8 +100,9 @@ struct Reflector {
     return {factor > 0 ? clamped(light * to_float(factor)) : Color{0}, clamped(light * share)};
   }
 
-  /// Returns the light of a source at a point or in a direction, if nothing occludes it; `matte` is not yet
-  /// over π. A glossy lobe may reflect light that is behind a shading normal (GlossyLobeAt).
+  /// Returns the light of a source at a point or in a direction, if nothing occludes it. Its `matte` is the
+  /// irradiance, which the caller divides by π. A glossy lobe may reflect light that is behind a shading
+  /// normal (GlossyLobeAt).
   [[nodiscard]] ReflectedLight light_of(const Light& light, const auto& scene) const {
     if (!glossy) [[likely]]
       return {visible_irradiance(scene, hit, light)};

@@ -20,8 +20,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Place where a surface scatters a path, as the path's ray from the eye sees it.
 struct Vertex {
   Vec3 direction;         ///< unit vector along the ray, towards the surface
-  Normals<Vec3> normals;  ///< on the side that the ray comes from
-  bool enters;            ///< true if that side is the surface's outside
+  Normals<Vec3> normals;  ///< unit normals, on the side that the ray comes from
+  bool enters;            ///< true if that side is the surface's outside, so that a refracted ray enters
 
   explicit Vertex(const Intersection& hit) : direction(normalize(hit.direction())), normals(hit.normals()) {
     enters = dot(normals.surface, direction) <= 0;
@@ -33,7 +33,9 @@ struct Vertex {
 /// does not go on.
 struct Bounce {
   Vec3 direction{0, 0, 1};
-  Color weight{0};  ///< scattered light per light from there · cos θ/density, without that density if sharp
+  /// Factor on the light from there: the lobe's function · cos θ/density; for a mirror and glass, which draw
+  /// no direction by a density, the share of the light.
+  Color weight{0};
 
   /// Density that is weighed against that of rays to lights in multiple importance sampling
   /// (power_heuristic). It is the density with which the direction was drawn for a glossy lobe alone: it is
@@ -48,7 +50,8 @@ struct Bounce {
 /// Returns the largest channel.
 [[nodiscard]] inline double largest(const Color& c) { return std::max({c.r, c.g, c.b}); }
 
-/// Returns a color times a factor, of which double holds the product.
+/// Returns a color times a factor, each product rounded once from double to float, and at most the largest
+/// float.
 [[nodiscard]] inline Color times(const Color& c, double factor) {
   return clamped({to_float(c.r * factor), to_float(c.g * factor), to_float(c.b * factor)});
 }
@@ -102,15 +105,15 @@ class GlossyLobeAt {
   /// Returns the share of light that a mirror of the material would reflect to the viewer.
   [[nodiscard]] double share() const { return largest(is_phong_ ? phong_.color : ggx_.reflectance(view_.z)); }
 
-  /// Returns the light reflected per radiance from a unit direction and steradian; black if it leads into the
-  /// surface.
+  /// Returns the radiance that is reflected to the viewer per radiance from a unit direction and steradian;
+  /// black if the direction leads into the surface.
   [[nodiscard]] Color reflection(const Vec3& direction) const {
     if (!(dot(surface_, direction) > 0)) return Color{0};
     const Vec3 light = frame_.local(direction);
     return is_phong_ ? phong_.reflection(view_, light) : ggx_.reflection(view_, light);
   }
 
-  /// Returns the density with which sample draws a direction.
+  /// Returns the density, in 1/steradian, with which sample draws a unit direction.
   [[nodiscard]] double density(const Vec3& direction) const {
     const Vec3 light = frame_.local(direction);
     return is_phong_ ? phong_.density(view_, light) : ggx_.density(view_, light);
@@ -133,10 +136,12 @@ class GlossyLobeAt {
 
 /// Perfect mirror.
 struct MirrorLobe {
-  float reflect = 0;
+  float reflect = 0;  ///< share of light that is mirrored
 
+  /// Returns the share of light that the lobe sends back.
   [[nodiscard]] double share() const { return reflect; }
 
+  /// Returns the bounce in the mirror direction, by the normal of mirroring_normal.
   [[nodiscard]] Bounce sample(const Vertex& vertex) const {
     const Vec3 normal = mirroring_normal(vertex.normals, vertex.direction);
     return {reflected(vertex.direction, normal), Color{reflect}};
@@ -148,13 +153,15 @@ struct MirrorLobe {
 /// The light that a path carries is radiance over the square of the index of refraction, which refraction
 /// leaves as it is. Outside, where the index is 1, both are the same.
 struct GlassLobe {
-  float refract = 0;
-  double ior = 1;  ///< index of refraction inside
+  float refract = 0;  ///< share of light that is reflected or refracted
+  double ior = 1;     ///< index of refraction inside
 
+  /// Returns the share of light that the lobe sends on.
   [[nodiscard]] double share() const { return refract; }
 
-  /// Reflects or refracts, decided by a number, with the probabilities of Fresnel's shares; these need no
-  /// weights then. Where no angle satisfies Snell's law all light is reflected.
+  /// Reflects or refracts, decided by a number from [0, 1), which is replaced by one for the next question
+  /// (decide). The probabilities are Fresnel's shares, which therefore are no factors of the weight. If no
+  /// angle satisfies Snell's law, all light is reflected.
   [[nodiscard]] Bounce sample(const Vertex& vertex, double& number) const {
     const Vec3 normal = mirroring_normal(vertex.normals, vertex.direction);
     const double ratio = vertex.enters ? 1 / ior : ior;

@@ -46,7 +46,8 @@ class PathWave {
   /// paths and hits take little memory.
   static constexpr std::size_t most_starting_packets = std::max(32 / double_lanes, 1);
 
-  /// Begins the path of a pixel, in a lane of a packet, at the first hit of its ray.
+  /// Begins the path of pixel (x, y) of the image, which is a lane of a packet of the wave, at the first hit
+  /// of its camera ray. A packet's number is below most_starting_packets.
   void begin(const Ray& ray, const SurfaceCrossing& first, int x, int y, std::size_t packet, int lane) {
     hits_[count_].emplace(ray, first);
     paths_[count_] = {};
@@ -56,20 +57,21 @@ class PathWave {
     ++count_;
   }
 
-  /// Sets the light of all lanes of a packet, whose paths have not been followed yet.
+  /// Sets the light of all lanes of a packet; follow() replaces it where a path has begun.
   void set(std::size_t packet, const Colors& light) {
     light.r.store(&light_[0][packet * lanes]);
     light.g.store(&light_[1][packet * lanes]);
     light.b.store(&light_[2][packet * lanes]);
   }
 
-  /// Returns the light of a packet, whose paths have been followed.
+  /// Returns the light of a packet, once follow() has returned.
   [[nodiscard]] Colors light(std::size_t packet) const {
     const auto load = [&](std::size_t channel) { return Floats::load(&light_[channel][packet * lanes]); };
     return {load(0), load(1), load(2)};
   }
 
-  /// Follows all paths to their ends, those of the i-th samples of their pixels.
+  /// Follows all paths to their ends, with the numbers of sample i of their pixels. Throws std::logic_error
+  /// if the integrator was made for another scene.
   void follow(const I& integrator, const auto& scene, const PixelGrid& grid, int i) {
     const auto finish = [&](std::size_t k, const Color& light) {
       for (int channel = 0; channel < 3; ++channel)
@@ -168,8 +170,9 @@ class PathWave {
   std::array<std::array<float, most>, 3> light_;
 };
 
-/// Follows the paths of the i-th samples of some packets in a part of a tile, and calls give(k, light) with
-/// the light of the k-th. A path begins at the closest hit of its camera ray; found[k] are the packet's rays.
+/// Follows the paths of sample i of the pixels of some packets in a part of a tile, and calls give(k, light)
+/// with the light of packet k. A path begins at the closest hit of its camera ray. For packet k, packets[k]
+/// is the pixel of its first lane, found[k] holds its camera rays, and closest[k] what they hit first.
 template <class I, class View>
 [[gnu::noinline]] void follow_paths(const I& integrator, const View& view, const PixelRays& rays_of,
                                     const Tile& part, int i, std::span<const PacketStart> packets,

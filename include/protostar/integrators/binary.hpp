@@ -15,8 +15,8 @@ struct BinaryIntegrator {
     return select(scene.occluded(ray, Interval{}), Color{1}, Color{0});
   }
 
-  /// Returns the radiance of a ray with a hit, background of a ray without: for tiles, which find out what
-  /// pixels see before they ask an integrator (accel/tile_renderer.hpp).
+  /// Returns the radiance of a ray with a hit; background returns that of a ray without one. Tiles call these
+  /// two, as they find out what pixels see before they ask an integrator (accel/tile_renderer.hpp).
   [[nodiscard]] Color shade(const auto&, const auto&) const { return Color{1}; }
   [[nodiscard]] Color background(const auto&, const auto&) const { return Color{0}; }
 };

@@ -67,8 +67,8 @@ struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
   /// A step from t looks for a smaller s. As f changes no faster than t, it is m k (t + δ) or more up to δ =
   /// (f − m k t)/(1 + m k), m being the least s so far. A step is not shorter than k t/8: s changes by at
   /// most (1 + k |s|)/8 in it, and V by 2/π of that, about 0.08. Nor is it shorter than t/2^13, so that the
-  /// steps along one way are at most ln 2^20 · 2^13 = 1.2e5. The penumbra of a lamp whose radius is less than
-  /// D/2^10 is therefore coarser, and what is thinner than t/2^13 may be passed.
+  /// steps along one way are fewer than 1.2e5, as ln 2^20 · 2^13 is 1.14e5. The penumbra of a lamp whose
+  /// radius is less than D/2^10 is therefore coarser, and what is thinner than t/2^13 may be passed.
   ///
   /// At the hit itself f and k t are both 0. The way begins at t = D/2^20, where k t is 2^-20 r. The quotient
   /// is that of the surface of the hit there, off by the rounding of f, about 2^-53 |from|: by 2^-33

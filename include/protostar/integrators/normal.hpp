@@ -5,8 +5,8 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Integrator that maps the surface's own unit normal from [−1, 1]³ to [0, 1]³, x, y, z to red, green, blue;
-/// black if there is no hit.
+/// Integrator that maps the unit shading normal, on the surface's outside, from [−1, 1]³ to [0, 1]³, with x,
+/// y and z to red, green and blue; black if there is no hit. Without a normal map it is the surface's normal.
 struct NormalIntegrator : FirstHit<NormalIntegrator> {
   using TakesPackets = NormalIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 

@@ -82,10 +82,10 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Path on its way from the eye: the light that it has found, and the ray on which it goes on.
   struct Path {
     Color sum{0}, weight{1};
-    double most_weight = 0;  ///< after sure_bounces
+    double most_weight = 0;  ///< largest channel of the weight at bounce sure_bounces, for Russian roulette
     int bounces = 0;
     Ray ray;
-    double weighed_density = std::numeric_limits<double>::infinity();  ///< of its ray (Bounce)
+    double weighed_density = std::numeric_limits<double>::infinity();  ///< of the bounce before its ray
 
     /// Returns true for the camera's ray, and one that a mirror or glass has sent on: light is found by it
     /// alone.
@@ -95,13 +95,13 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     [[nodiscard]] std::uint32_t set() const { return static_cast<std::uint32_t>(1 + bounces); }
   };
 
-  /// Direction to a light, if it has been drawn.
+  /// Direction to a light, if one has been drawn together with those of other paths (draw_to_lights).
   using ToLight = std::optional<LightSample>;
 
   /// Numbers of a set, and the local direction of cosine_hemisphere to which the first two lead.
   struct Numbers : SampleSet<double> {
     Vec3 hemisphere;
-    const LightSample* to_light = nullptr;  ///< direction to the light that they choose, if it is known
+    const LightSample* to_light = nullptr;  ///< direction to the light that they choose; null: not drawn yet
     Numbers(const SampleSet<double>& set, const Vec3& direction)
         : SampleSet<double>(set), hemisphere(direction) {}
     explicit Numbers(const SampleSet<double>& set)
@@ -159,8 +159,9 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     }
   }
 
-  /// Adds the light that a path finds at a hit, and chooses how it goes on from there, by the numbers of
-  /// path.set(), which draw() returns; returns false if it ends.
+  /// Adds the light that a path finds at a hit to path.sum, and chooses how it goes on from there, along
+  /// path.ray; returns false if the path ends. draw() returns the Numbers of path.set(), and is called at
+  /// most once, only if light is scattered.
   [[nodiscard]] bool meet(Path& path, const Intersection& hit, const auto& scene, const auto& draw) const {
     const Material& material = hit.material();
     if (!is_black(material.emission)) {
@@ -210,7 +211,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   struct ChosenLight {
     const AreaLight* area = nullptr;  ///< null: the environment, or none if the probability is 0
     double probability = 0;
-    double rest = 0;  ///< number in [0, 1] for a direction to the light
+    double rest = 0;  ///< number in [0, 1) for a direction to the light
   };
 
   /// Chooses an area light or the environment by the third number of a set.
@@ -288,7 +289,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
 
   enum class Lobe { diffuse, glossy, mirror, glass };
 
-  /// Shares of light that a material's lobes send back.
+  /// Shares of light that a material's lobes send back (their share()), as weights for the choice of a lobe.
   struct LobeShares {
     double diffuse, glossy, mirror, glass;
 

@@ -1,12 +1,11 @@
 // A disk as seen from a point: its solid angle, and directions to it that are uniform in solid angle.
 //
 // The point is at height h > 0 over the disk's plane, and the foot of its perpendicular at distance ρ from
-// the center. The rim's nearest and farthest points are at distances l1, l2, with l1² = (ρ − R)² + h², l2² =
-// (ρ + R)²
-// + h². The directions to the rim are an elliptic cone. In the plane that contains the perpendicular and the
-// center, its axis halves the angle 2b between those two points; across, its half angle is a ≥ b. With s = (ρ
-// − R) (ρ + R) + h² = l1 l2 cos 2b, the cone's equation has the eigenvalues h² (across), λ = (l1 l2 + s)/2 =
-// l1 l2 cos² b and −μ for μ = (l1 l2 − s)/2 = l1 l2 sin² b, where λμ = R² h². Hence
+// the center. The rim's nearest and farthest points are at distances l1 and l2, with l1² = (ρ − R)² + h² and
+// l2² = (ρ + R)² + h². The directions to the rim are an elliptic cone. In the plane that contains the
+// perpendicular and the center, its axis halves the angle 2b between those two points; across, its half angle
+// is a ≥ b. With s = (ρ − R)(ρ + R) + h² = l1 l2 cos 2b, the cone's equation has the eigenvalues h² (across),
+// λ = (l1 l2 + s)/2 = l1 l2 cos² b and −μ for μ = (l1 l2 − s)/2 = l1 l2 sin² b, where λμ = R² h². Hence
 //   cos² a = h²/(h² + μ),   sin² a = μ/(h² + μ).
 //
 // A direction on the rim has the components sin a cos χ across and sin b sin χ along, and makes the angle θ
@@ -54,15 +53,16 @@ namespace detail {
 
 }  // namespace detail
 
-/// The directions from a point to a disk. The solid angle has a relative error below 2^-48 and directions are
+/// Directions from a point to a disk. The solid angle has a relative error below 2^-48 and directions are
 /// off by at most 2^-47, if the distances from the plane and from the rim are above 2^-45 of those from the
 /// center and of the radius.
 class DiskView {
  public:
-  DiskView(const Point& from, const Point& center, const Vec3& any_normal, double any_radius) {
-    exponent_ = exponent_of({center - from, Vec3{any_radius, 0, 0}});
+  /// Prepares the view from a point. `any_normal` may have any length but 0; the radius is greater than 0.
+  DiskView(const Point& from, const Point& center, const Vec3& any_normal, double radius) {
+    exponent_ = exponent_of({center - from, Vec3{radius, 0, 0}});
     const PreciseVector to = scaled_difference(center, from, -exponent_);
-    const double R = scaled({any_radius, 0, 0}, -exponent_).x;
+    const double R = scaled({radius, 0, 0}, -exponent_).x;
     const Vec3 moderate = of_moderate_size(any_normal);
     const PreciseVector normal(moderate), across = cross(normal, to);
     const DoubleDouble size = length(normal), rho = length(across) / size, z = dot(to, normal) / size;
@@ -107,8 +107,9 @@ class DiskView {
   /// Returns the solid angle in steradians; 0 for a point in the plane.
   [[nodiscard]] double solid_angle() const { return solid_angle_; }
 
-  /// Draws a direction: from the concentric map, the share of χ's integral, and of 1 − cos between the axis
-  /// and the rim the share r².
+  /// Draws a direction with two numbers from [0, 1). The concentric map takes them to a point of the unit
+  /// disk. Its angle is the share of the integral over χ up to the direction, and the square of its radius
+  /// the share of 1 − cos of the angle between axis and rim.
   [[nodiscard]] LightSample sample(double u, double v) const {
     if (!(solid_angle_ > 0)) return {};
     const PolarPoint p = concentric_polar(u, v);

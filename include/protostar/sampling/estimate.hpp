@@ -118,7 +118,7 @@ class BernsteinRule {
     return std::ceil(log_ * most_ / (largest_weight * target_));
   }
 
-  static constexpr double largest_weight = 0.75;
+  static constexpr double largest_weight = 0.75;  ///< largest λ of an observation (BernsteinSequence)
 
  private:
   static void require(bool holds, const char* name, const char* allowed, double value) {
@@ -162,6 +162,7 @@ class BernsteinSequence {
     variance_ = (variance_ * count_ + (x - mean_) * (x - mean_)) / (count_ + 1);
   }
 
+  /// Returns the number of observations.
   [[nodiscard]] double count() const { return count_; }
 
   /// Returns the center of the interval; 0 for no observations.

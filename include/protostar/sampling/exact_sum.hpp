@@ -18,19 +18,18 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// A number x counts as the multiple of 2^-47 nearest to it, of two as near the even one, as q = x · 2^47 in
 /// two words:
 ///   high += ⌊q / 2^31⌋,   low += q − 2^31 ⌊q / 2^31⌋.
-/// - Range: numbers beyond ±2^15, infinite ones too, count as ±2^15. Then |q| ≤ 2^62, so a number adds at
-/// most
-///   2^31 to the magnitude of each word, and fewer than 2^32 numbers keep both below 2^63.
-/// - Resolution: a float of at least 2^-24 has the last of its 24 digits at 2^-47 or above, so it counts
-/// without
-///   error. A smaller one counts with an error of at most 2^-48.
+/// - Range: numbers beyond ±2^15, infinite ones too, count as ±2^15. Then |q| ≤ 2^62, so a number adds 2^31
+///   or less to the magnitude of each word, and fewer than 2^32 numbers keep both below 2^63.
+/// - Resolution: a float of at least 2^-24 has the last of its 24 digits at 2^-47 or above, and counts
+///   without error. A smaller one counts with an error of at most 2^-48.
 /// - NaN counts as 0: a sample that failed leaves the others of its pixel as they are.
 /// Negative numbers count like positive ones; filters with negative lobes give them.
 class ExactSum {
  public:
   static constexpr float most = 0x1p15f;  ///< largest magnitude of a number that is added
-  static constexpr double largest_rounding =
-      0x1p-48;  ///< largest error with which a number up to that counts
+
+  /// Largest error with which a number of magnitude up to `most` counts.
+  static constexpr double largest_rounding = 0x1p-48;
 
   /// Integer high · 2^31 + low in units of 2^-47. It is canonical, and so tells equal sums by equal words, if
   /// 0 ≤ low < 2^31.
@@ -141,7 +140,7 @@ struct ExactColorSum {
     return a.channels == b.channels;
   }
 
-  /// Returns the mean of so many colors, each channel rounded once (ExactSum::mean).
+  /// Returns the mean of `count` colors, as many as were added, each channel rounded once (ExactSum::mean).
   [[nodiscard]] Color mean(std::uint32_t count) const {
     return {channels[0].mean(count), channels[1].mean(count), channels[2].mean(count)};
   }

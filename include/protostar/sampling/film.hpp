@@ -32,7 +32,7 @@ struct PixelSums {
     ++counts[scrambling_of(i)];
   }
 
-  /// Adds the sum of so many samples of a scrambling.
+  /// Adds `count` samples of a scrambling, given as their sum.
   void add_sum(std::uint32_t scrambling, const ExactColorSum& sum, std::uint32_t count) {
     sums[scrambling] += sum;
     counts[scrambling] += count;
@@ -109,12 +109,13 @@ class Film {
     return *this;
   }
 
+  /// Returns true if tiles, sums and numbers of samples are equal.
   friend bool operator==(const Film& a, const Film& b) {
     return a.area_.x0 == b.area_.x0 && a.area_.y0 == b.area_.y0 && a.area_.x1 == b.area_.x1 &&
            a.area_.y1 == b.area_.y1 && a.pixels_ == b.pixels_;
   }
 
-  /// Returns the picture.
+  /// Returns the picture: the mean of each pixel's samples; black without any.
   [[nodiscard]] Image mean() const {
     return image_of([](const PixelSums& pixel) { return pixel.mean(); });
   }

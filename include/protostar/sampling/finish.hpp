@@ -33,7 +33,8 @@ struct Finish {
                                   shown(gamma->exponent));
   }
 
-  /// Returns it in words, other ones for any other finish.
+  /// Returns a description such as "exposure 1, tone clip, transfer srgb"; finishes that differ have
+  /// different ones.
   [[nodiscard]] std::string text() const {
     const char* const tones[] = {"clip", "scale-pixel", "scale-image"};
     const auto* gamma = std::get_if<Gamma>(&transfer);

@@ -30,7 +30,7 @@ struct LobeSample {
   Color weight{0};     ///< reflection/density; black if the direction leads into the surface
 };
 
-/// Type of such a lobe.
+/// Type with the four functions of a glossy lobe.
 template <class L>
 concept GlossyLobe = requires(const L& lobe, const Vec3& view, const Vec3& light, double u) {
   { lobe.value(view, light) } -> std::same_as<Color>;

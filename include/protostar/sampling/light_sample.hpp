@@ -19,9 +19,10 @@ struct LightSample {
 
 namespace detail {
 
-/// Returns the distance along a unit direction to a plane at distance `height`, in which no point of the
-/// light is farther away than `farthest`. The quotient has a relative error of a few u/cos of the angle to
-/// the plane's normal, and it is limited, so that grazing directions do not reach behind the light.
+/// Returns the distance along a unit direction to a light in a plane. `height` is the distance of the plane,
+/// `cosine` that of the direction's angle to the plane's normal, and no point of the light is farther away
+/// than `farthest`, which limits the result at grazing angles. The quotient has a relative error of a few
+/// u/cosine.
 [[nodiscard]] inline double distance_to_plane(double height, double cosine, double farthest) {
   return height < cosine * farthest ? height / cosine : farthest;
 }

@@ -14,13 +14,15 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// Corners of a triangle, in either order.
 using TriangleCorners = std::array<Point, 3>;
 
-/// Direction to a triangle of a mesh. The density is that of the triangle's choice and of the direction
-/// together: a direction that meets several triangles is drawn for each of them.
+/// Direction to a triangle of a mesh. light.density is the probability of the triangle's choice times the
+/// density of the direction within the triangle. Triangles do not hide each other: a direction that meets
+/// several may be drawn for each of them, each time with the density for that triangle.
 struct MeshSample {
   LightSample light;
-  std::size_t triangle = 0;
+  std::size_t triangle = 0;  ///< index of the triangle that was chosen
 };
 
 /// The triangles of a light, chosen by their areas: for meshes of any size, since a choice takes the
@@ -35,9 +37,12 @@ class MeshLight {
       by_area_.add(length(cross(scaled(b - a, -exponent), scaled(c - a, -exponent))));
   }
 
+  /// Returns the triangles in the order in which they were given.
   [[nodiscard]] std::span<const TriangleCorners> triangles() const { return triangles_; }
 
-  /// Draws a direction from a point. Near the mesh, some triangles are larger than their areas tell.
+  /// Draws a direction from a point with two numbers from [0, 1); of infinite density if no triangle has an
+  /// area. Near the mesh a triangle may fill more of the view than its share of the area: estimates vary more
+  /// there, and are right.
   [[nodiscard]] MeshSample sample(const Point& from, double u, double v) const {
     if (!(by_area_.whole() > 0)) return {};
     const auto [i, probability, rest] = by_area_.choose(u);
@@ -47,7 +52,7 @@ class MeshLight {
     return sample;
   }
 
-  /// Returns the density with which a direction from the point is drawn for a triangle that it meets.
+  /// Returns the density, in 1/steradian, with which sample draws a direction from the point to triangle i.
   [[nodiscard]] double density(const Point& from, std::size_t i) const {
     return by_area_.probability(i) /
            TriangleView(from, triangles_[i][0], triangles_[i][1], triangles_[i][2]).solid_angle();
@@ -58,8 +63,8 @@ class MeshLight {
   Shares by_area_;
 };
 
-/// Some triangles as seen from a point, chosen by their solid angles: for small meshes, since each is looked
-/// at. The density is one over the sum of the solid angles.
+/// Some triangles as seen from a point, chosen by their solid angles: for small meshes, since a view of each
+/// triangle is made. The density of a direction is one over the sum of the solid angles.
 class MeshView {
  public:
   MeshView(const Point& from, std::span<const TriangleCorners> triangles) : by_angle_(triangles.size()) {

@@ -94,8 +94,8 @@ using PixelSampler = BasicPixelSampler<std::uint32_t>;
 /// Sampler that an integrator gets for a packet of rays.
 using PacketSampler = BasicPixelSampler<simd::Words>;
 
-/// Returns a sampler as it is, or that of the pixel in a lane: what belongs to a hit, or to hits in lanes,
-/// that a function gets with the lane or without.
+/// Returns the sampler of a hit: the sampler itself if a function gets a single hit, or the sampler of the
+/// pixel in a lane if it gets the hits of a packet and the lane.
 template <class S>
 [[nodiscard]] const S& sampler_in(const S& sampler) {
   return sampler;

@@ -38,15 +38,16 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// A rectangle, with what its views have in common, in double-double: unit axes along the edges and their
-/// lengths.
+/// Rectangle, prepared once for its views from all points: unit axes along the edges u and v and along the
+/// normal u × v, and the lengths of the edges, in double-double.
 struct RectangleLight {
-  Point position;
-  int exponent;  ///< of the edges: lengths are scaled by 2^-exponent
-  PreciseVector x, y, z;
-  DoubleDouble width, depth;
-  Vec3 axis_x, axis_y, axis_z;  ///< the unit axes in double
+  Point position;               ///< corner at which both edges begin
+  int exponent;                 ///< scale of width and depth: the edges' lengths are those times 2^exponent
+  PreciseVector x, y, z;        ///< unit axes along edge u, edge v and the normal
+  DoubleDouble width, depth;    ///< lengths of edge u and edge v, scaled
+  Vec3 axis_x, axis_y, axis_z;  ///< x, y and z in double
 
+  /// Prepares a rectangle from a corner and its edges, which are perpendicular up to rounding.
   RectangleLight(const Point& corner, const Vec3& u, const Vec3& v)
       : position(corner), exponent(exponent_of({u, v})) {
     const PreciseVector along(scaled(u, -exponent)), up(scaled(v, -exponent)), normal = cross(along, up);
@@ -59,8 +60,9 @@ struct RectangleLight {
 
 namespace detail {
 
-/// What a point sees of a rectangle, with T = double, or points in lanes, with T = Doubles and the same bits.
-/// Lengths are scaled.
+/// Rectangle as seen from one point, for T = double and Vector = Vec3, or from a point in each lane with the
+/// same bits, for T = Doubles and Vector = Vectors. All lengths are scaled by one power of two, which the
+/// caller knows.
 template <class T, class Vector>
 class RectangleSeen {
  public:
@@ -186,7 +188,7 @@ class RectangleSeen {
 
 }  // namespace detail
 
-/// The directions from a point to a rectangle with edges that are perpendicular. The edges may deviate from
+/// Directions from a point to a rectangle with edges that are perpendicular. The edges may deviate from
 /// that by their rounding; the corner opposite the position is then that of the rectangle. The solid angle
 /// has a relative error below 20u, and directions are off by at most 20u, if the distances from the lines
 /// through the edges, and from the plane, are above 2^-45 of those from the corners.
@@ -200,15 +202,16 @@ class RectangleView {
   /// Returns the solid angle in steradians; 0 for a point in the plane.
   [[nodiscard]] double solid_angle() const { return seen_.solid_angle(); }
 
-  /// Draws a direction.
+  /// Draws a direction with two numbers from [0, 1).
   [[nodiscard]] LightSample sample(double u, double v) const {
     if (!(solid_angle() > 0)) return {};
     const auto [direction, distance] = seen_.sample(u, v);
     return {direction, std::ldexp(distance, exponent_), 1 / solid_angle()};
   }
 
-  /// Draws a direction from each of some points, as many as there are lanes or fewer, as sample does with the
-  /// numbers u and v of each.
+  /// Draws a direction to the rectangle from each of some points: drawn[i] is what sample returns for
+  /// from[i], u[i] and v[i], to the bit. There are from 1 to simd::double_lanes points, and `drawn` holds at
+  /// least as many.
   static void sample_each(const RectangleLight& r, std::span<const Point> from, const FewNumbers& u,
                           const FewNumbers& v, std::span<LightSample> drawn) {
     using simd::Doubles, simd::Vectors;

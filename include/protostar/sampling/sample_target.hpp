@@ -20,7 +20,7 @@ namespace detail {
 /// tile.
 class SampleTarget {
  public:
-  /// Borrows the image or the film.
+  /// Borrows the image, or the film and the samples that are added to it.
   explicit SampleTarget(Image& image) : image_(&image), area_(image.tile()) {}
   SampleTarget(Film& film, const SampleRange& samples) : film_(&film), area_(film.tile()), range_(samples) {}
 
@@ -36,7 +36,9 @@ class SampleTarget {
   /// Returns the sums of a film's pixel.
   [[nodiscard]] PixelSums& sums(int x, int y) const { return (*film_)(area_.x0 + x, area_.y0 + y); }
 
-  /// Returns the pixels with their samples, which are drawn next: a film learns if they tell no error.
+  /// Returns the pixels with the samples to be drawn; `otherwise` is the sampler if the options name none.
+  /// Notes in a film if these samples tell no error (Film::lose_error). Throws std::invalid_argument for
+  /// options of passes with a film, for samples that end beyond most_samples_of_pixel, and as PixelGrid does.
   [[nodiscard]] PixelGrid grid(RenderOptions options, const SamplerChoice& otherwise) const {
     if (image_) return {width(), height(), options, otherwise};
     if (options.error != 0 || options.seconds != 0 || options.every_pixel || options.standard_error)
@@ -56,10 +58,11 @@ class SampleTarget {
     return {width(), height(), options, sampler, range_};
   }
 
-  /// Returns how many sums a pixel's samples have: sample i belongs to sum i mod sums.
+  /// Returns how many sums a pixel has: 1 in an image, and in a film one for each scrambling (scrambling_of).
   [[nodiscard]] int sums_of_pixel() const { return image_ ? 1 : static_cast<int>(scramblings); }
 
-  /// Gives light(i, place) of the samples of pixel (x, y) to it.
+  /// Draws pixel (x, y): calls light(i, place) for each sample i, and sets the pixel of an image to the mean
+  /// of that light, or adds it to the sums of a film's pixel.
   void draw(const PixelGrid& pixels, int x, int y, LightOfSample light) const {
     if (image_)
       (*image_)(x, y) = pixels.mean(x, y, light);

@@ -86,8 +86,9 @@ struct SharedPicture {
     finish.validate();
   }
 
-  /// Cuts the work into units that take a while each, and of which there are many: a thousand if each then
-  /// has 2^16 samples, or 64 if each then has 2^9; not more than 2^20.
+  /// Sets rows_in_unit and samples_in_unit. Units are halved until there are 1024 of them, as long as each
+  /// has more than 2^16 samples of pixels, or 64 of them, as long as each has more than 2^9. There are at
+  /// most 2^20 units.
   void cut() {
     rows_in_unit = 16, samples_in_unit = 16;
     const auto samples_of_unit = [&] { return std::int64_t{area.width()} * rows_in_unit * samples_in_unit; };
@@ -106,6 +107,7 @@ struct SharedPicture {
     }
   }
 
+  /// Returns the numbers of bands, of blocks of samples in a band, and of units.
   [[nodiscard]] std::uint64_t bands() const {
     return (static_cast<std::uint64_t>(area.height()) + static_cast<std::uint64_t>(rows_in_unit) - 1) /
            static_cast<std::uint64_t>(rows_in_unit);
@@ -115,11 +117,12 @@ struct SharedPicture {
   }
   [[nodiscard]] std::uint64_t units() const { return bands() * blocks(); }
 
-  /// Returns the band of a unit. All units of a band follow each other, so a shard shares few of its bands.
+  /// Returns the band of a unit. The units of a band follow each other, so that a shard has at most two bands
+  /// in common with other shards.
   [[nodiscard]] std::uint64_t band_of(std::uint64_t unit) const { return unit / blocks(); }
 
-  /// Returns the pixels of a band. Bands that follow each other lie .618 of the area's height apart, around
-  /// its end, so shards share slow and quick rows.
+  /// Returns the pixels of a band. Each band lies .618 of the area's height below the one before it, modulo
+  /// the height, so that every shard gets rows from all of the picture, slow and quick ones.
   [[nodiscard]] Tile tile_of(std::uint64_t band) const {
     std::uint64_t step = bands() * 618 / 1000;
     while (std::gcd(step, bands()) != 1) ++step;  // then the multiples of step are all bands
@@ -195,6 +198,7 @@ class UnitSet {
   /// Returns the ranges, as ends by beginnings.
   [[nodiscard]] const std::map<std::uint64_t, std::uint64_t>& ranges() const { return ranges_; }
 
+  /// Returns the number of units.
   [[nodiscard]] std::uint64_t count() const {
     std::uint64_t sum = 0;
     for (const auto& [first, last] : ranges_) sum += last - first;
@@ -203,7 +207,7 @@ class UnitSet {
 
   [[nodiscard]] bool contains(std::uint64_t unit) const { return common({unit, unit + 1}).has_value(); }
 
-  /// Returns the first unit of a range that is in the set.
+  /// Returns the first unit of a range that is in the set; nullopt if none is.
   [[nodiscard]] std::optional<std::uint64_t> common(const UnitRange& range) const {
     auto next = ranges_.upper_bound(range.first);
     if (next != ranges_.begin() && range.first < std::prev(next)->second && range.first < range.last)
@@ -211,14 +215,14 @@ class UnitSet {
     return next != ranges_.end() && next->first < range.last ? std::optional(next->first) : std::nullopt;
   }
 
-  /// Returns the first unit that is in both sets.
+  /// Returns the first unit that is in both sets; nullopt if there is none.
   [[nodiscard]] std::optional<std::uint64_t> common(const UnitSet& other) const {
     for (const auto& [first, last] : other.ranges_)
       if (const auto unit = common(UnitRange{first, last})) return unit;
     return std::nullopt;
   }
 
-  /// Returns the first unit of a range that is not in the set.
+  /// Returns the first unit of a range that is not in the set; nullopt if all are.
   [[nodiscard]] std::optional<std::uint64_t> missing(const UnitRange& range) const {
     if (range.first >= range.last) return std::nullopt;
     const auto next = ranges_.upper_bound(range.first);
@@ -246,8 +250,8 @@ class UnitSet {
   std::map<std::uint64_t, std::uint64_t> ranges_;
 };
 
-/// Sums of some units of a picture, all of them or none. It is also the state of a long render (checkpoint),
-/// which goes on with the units that are missing. Only the bands of its units take memory.
+/// Sums of the samples of some units of a picture, from none to all. It is also the state of a long render
+/// (checkpoint), which goes on with the units that are missing. Only the bands of its units take memory.
 class Shard {
  public:
   /// Sums of the pixels of bands, in rows, by the number of the band.

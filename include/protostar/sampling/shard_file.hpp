@@ -58,7 +58,8 @@ inline void put_sums(auto& writer, const PixelSums& pixel) {
   }
 }
 
-/// Reads the sums of a pixel with so many samples, whose size they cannot exceed.
+/// Reads the sums of a pixel that has counts[k] samples in scrambling k. Fails at a sum that is larger than
+/// as many samples can make it, or not canonical.
 inline PixelSums get_sums(auto& reader, const std::array<std::uint32_t, scramblings>& counts) {
   PixelSums pixel{.sums = {}, .counts = counts};
   for (std::size_t k = 0; k < scramblings; ++k) {
@@ -87,7 +88,7 @@ inline void put_finish(auto& writer, const Finish& finish) {
   writer.put(gamma ? bit_cast<std::uint64_t>(gamma->exponent) : 0);
 }
 
-/// Reads a finish, whose numbers may be any.
+/// Reads a finish. Its exposure and gamma are not checked here (Finish::validate).
 inline Finish get_finish(auto& reader) {
   Finish finish{.exposure = bit_cast<double>(reader.get())};
   const auto [tone, plain] = reader.get_pair();
@@ -134,8 +135,7 @@ inline SharedPicture get_picture(auto& reader) {
 inline UnitSet get_units(auto& reader, const SharedPicture& picture) {
   UnitSet units;
   const std::uint64_t all = picture.units();
-  std::uint64_t least =
-      0;  // a range begins after the end of the one before it, at which that one would go on
+  std::uint64_t least = 0;  // ranges do not touch: each begins after the end of the one before it
   for (std::uint64_t count = reader.get("number of ranges of units", 0, (all + 1) / 2); count > 0; --count) {
     if (least >= all)
       reader.fail_at_word("a range of units ends at " + std::to_string(least - 1) + " of " +
@@ -202,8 +202,8 @@ void write_shard(const Shard& shard, auto&& sink) {
   writer.end();
 }
 
-/// Reads a shard from a source, which gives up to so many bytes as source(bytes, size) and returns how many,
-/// 0 at the end. Throws std::runtime_error for bytes that are no shard, with the name of the file, the place
+/// Reads a shard from a source: source(bytes, size) writes up to `size` bytes and returns how many, 0 at the
+/// end. Throws std::runtime_error for bytes that are no shard, with the name of the file, the place
 /// in it, what is there and what is allowed.
 [[nodiscard]] Shard read_shard(auto&& source, const std::string& name) {
   detail::WordReader reader(source, shown(name));

@@ -10,24 +10,30 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Shares of a whole by which one of several things is chosen with a number in (0, 1).
+/// Shares of a whole by which one of several things is chosen with a number from [0, 1).
 class Shares {
  public:
+  /// Makes shares of no things yet, with memory for `count` of them.
   explicit Shares(std::size_t count) { ends_.reserve(count); }
 
+  /// Adds the share of the next thing, finite and not negative.
   void add(double share) { ends_.push_back(whole() + share); }
+
+  /// Returns the sum of the shares; 0 for no things.
   [[nodiscard]] double whole() const { return ends_.empty() ? 0 : ends_.back(); }
   [[nodiscard]] std::size_t size() const { return ends_.size(); }
 
-  /// Returns the probability of a thing.
+  /// Returns the probability with which thing i is chosen; NaN if the whole is 0.
   [[nodiscard]] double probability(std::size_t i) const { return part(i) / whole(); }
 
   struct Choice {
     std::size_t index;
-    double probability, rest;  ///< rest: the place of the number within the share, from 0 to 1
+    double probability;
+    double rest;  ///< place of the number within the share, in [0, 1): a number for the next choice
   };
 
-  /// Chooses a thing. The probability is that of the rounded shares, by which it is chosen.
+  /// Chooses a thing. Its probability is exactly the one with which it is chosen, that of the rounded shares.
+  /// Precondition: the whole is greater than 0.
   [[nodiscard]] Choice choose(double u) const {
     const double place = u * whole();
     // A thing of share 0 ends where the one before it ends, and is never the first end above the place.
@@ -43,13 +49,13 @@ class Shares {
   std::vector<double> ends_;
 };
 
-/// Shares of the cells of a grid, of which one is chosen with two numbers in (0, 1): its row, then its place
-/// in the row.
+/// Shares of the cells of a grid, of which one is chosen with two numbers from [0, 1): its row, then its
+/// column.
 class GridShares {
  public:
   GridShares() = default;
 
-  /// share(column, row) returns the share of a cell, finite and not negative.
+  /// Takes share(column, row) of all cells. It returns the share of a cell, finite and not negative.
   GridShares(int columns, int rows, const auto& share) : rows_(static_cast<std::size_t>(rows)) {
     cells_.reserve(static_cast<std::size_t>(rows));
     for (int y = 0; y < rows; ++y) {
@@ -60,6 +66,7 @@ class GridShares {
     }
   }
 
+  /// Returns the sum of the shares.
   [[nodiscard]] double whole() const { return rows_.whole(); }
 
   /// Returns the probability of a cell: that of its row, times that of the cell in the row.
@@ -71,10 +78,10 @@ class GridShares {
   struct Choice {
     std::size_t column, row;
     double probability;
-    double x, y;  ///< the place of the numbers within the cell, from 0 to 1
+    double x, y;  ///< place of the numbers within the cell, each in [0, 1)
   };
 
-  /// Chooses a cell: u chooses the column, v the row.
+  /// Chooses a cell: u chooses the column, v the row. Precondition: the whole is greater than 0.
   [[nodiscard]] Choice choose(double u, double v) const {
     const auto [row, row_probability, y] = rows_.choose(v);
     const auto [column, probability, x] = cells_[row].choose(u);

@@ -91,15 +91,16 @@ inline constexpr auto sums_of_all = [] {
   return table;
 }();
 
-/// Returns the scrambled coordinates that have these digits, by words of a set of which the halves of its key
-/// are low and high: by one for each coordinate, and another that is added modulo 2.
+/// Returns a coordinate, in units of 2^-32, from its digits with the first one lowest. `low` and `high` are
+/// the halves of a set's key. With one factor they give the seed of the nested scrambling, and with the other
+/// a word that is added modulo 2.
 template <class Word>
 [[nodiscard]] Word scrambled(Word digits, Word low, Word high, Word factor, Word last_factor) {
   return simd::reversed(nested(digits, seed_of(low, factor))) ^ word_of(low, high, last_factor);
 }
 
-/// Returns the numbers of one point. The four coordinates are computed side by side in lanes, where there are
-/// any.
+/// Returns the four numbers of the point with an index, scrambled by the halves of a set's key. The four
+/// coordinates are computed side by side in lanes, where there are any.
 [[nodiscard]] inline SampleSet<double> sobol_numbers(std::uint32_t index, std::uint32_t low,
                                                      std::uint32_t high) {
   if constexpr (simd::double_lanes > 1) {

@@ -10,13 +10,14 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The directions from a point to a sphere. From outside they are a cap, the directions within an angle σ of
+/// Directions from a point to a sphere. From outside they are a cap, the directions within an angle σ of
 /// the center, with sin σ = R/d; from inside, all directions.
 ///
 /// With s = (R/d)², the height of the cap is 1 − cos σ = s/(1 + √(1 − s)). 1 − s = (d² − R²)/d² is computed
 /// in double-double, so it has digits also for a point close to the sphere. Relative errors are below 8u.
 class SphereView {
  public:
+  /// Prepares the view from a point. The radius is not 0; a negative one counts as its magnitude.
   SphereView(const Point& from, const Point& center, double radius) {
     exponent_ = exponent_of({center - from, Vec3{radius, 0, 0}});
     const PreciseVector to_center = scaled_difference(center, from, -exponent_);
@@ -35,8 +36,8 @@ class SphereView {
     return is_outside_ ? 2 * std::numbers::pi * height_ : 4 * std::numbers::pi;
   }
 
-  /// Draws a direction. In the cap, its height 1 − cos θ is r² (1 − cos σ) for a point of the unit disk at
-  /// distance r, since equal areas of a sphere have equal heights.
+  /// Draws a direction with two numbers from [0, 1). In the cap, its height 1 − cos θ is r² (1 − cos σ) for a
+  /// point of the unit disk at distance r, since equal areas of a sphere have equal heights.
   ///
   /// Its distance is a root of t² − 2 d cos θ t + d² − R² = 0, from outside the near one, and from inside the
   /// positive one. With the height m of the cap, the discriminant R² − d² sin² θ is d² m (1 − r²)(2 − m (1 +

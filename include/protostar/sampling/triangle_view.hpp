@@ -19,9 +19,10 @@
 // On the arc, equal areas have equal 1 − cos θ, so sin(θ/2) = √v sin(τ/2).
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <utility>
+#include <cstddef>
 
 #include "../numeric/precise_vector.hpp"
 #include "../numeric/radians.hpp"
@@ -29,7 +30,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// The directions from a point to a triangle, on either side of which the point may be. Digits that cancel
+/// Directions from a point to a triangle, on either side of which the point may be. Digits that cancel
 /// when the point is near an edge, a corner or the plane are those of cross products and of the triple
 /// product, and these are computed in double-double from exact differences. The solid angle has a relative
 /// error below 20u, if the distances from the lines through the edges, and from the plane, are above 2^-45 of
@@ -88,7 +89,7 @@ class TriangleView {
   /// Returns the solid angle in steradians; 0 for a point in the plane.
   [[nodiscard]] double solid_angle() const { return 2 * half_excess_; }
 
-  /// Draws a direction.
+  /// Draws a direction with two numbers from [0, 1).
   [[nodiscard]] LightSample sample(double u, double v) const {
     if (!(half_excess_ > 0)) return {};
     const auto [sin_s, cos_s] = sine_and_cosine(u * half_excess_);

@@ -1,9 +1,9 @@
 // Maps from pairs of numbers in (0, 1) to points of a disk and to directions, with their densities.
 //
-// A map is of use for sampling if equal areas of the unit square become shares of equal probability. These
-// are continuous, but for a seam or a point, and so they keep well-spread pairs well spread. The density of a
-// direction is the probability per solid angle near it, in 1/steradian. Local directions have the normal as
-// their z axis; Frame turns them. Same bytes on every machine. u = 2^-53.
+// Each map takes equal areas of the unit square to equal probabilities, and is continuous but for a seam or a
+// point, so that pairs that are spread evenly stay so. The density of a direction is the probability per
+// solid angle near it, in 1/steradian. Local directions have the normal as their z axis; Frame turns them.
+// Same bytes on every machine. The unit roundoff is u = 2^-53.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Unit direction that was drawn, and the density with which it is drawn.
 struct DirectionAndDensity {
   Vec3 direction{0, 0, 1};
-  double density = 0;
+  double density = 0;  ///< in 1/steradian
 };
 
 /// Three unit vectors, perpendicular to each other, x × y = z: the axes of local directions.
@@ -61,8 +61,8 @@ struct PolarPoint {
   constexpr double eighth = std::numbers::pi / 4;
   const double a = 2 * u - 1, b = 2 * v - 1;
   if (a == 0 && b == 0) return {};
-  // Chance decides in which quarter the point lies, so that a table is looked up where a branch would be
-  // foreseen every other time.
+  // The quarter in which the point lies is random: a processor would foresee a branch only every other time,
+  // so a table is looked up instead.
   constexpr double begin[2][2] = {{2 * eighth, 6 * eighth}, {0, 4 * eighth}};
   const bool is_wide = std::abs(a) > std::abs(b);
   const double along[2] = {b, a}, across[2] = {-a, b}, size = along[is_wide];
@@ -76,7 +76,8 @@ struct PolarPoint {
   return {p.radius * cosine, p.radius * sine};
 }
 
-/// Density of cosine_hemisphere, for the cosine between direction and normal: cos θ/π, or 0 below.
+/// Returns the density with which cosine_hemisphere draws a direction, cos θ/π in 1/steradian, from the
+/// cosine of its angle θ to the normal; 0 if that is negative.
 [[nodiscard]] inline double cosine_density(double cosine) { return std::max(cosine, 0.0) / std::numbers::pi; }
 
 /// Draws a local direction of the upper hemisphere with the density cos θ/π: the point of the hemisphere
@@ -94,10 +95,11 @@ struct PolarPoint {
   return {frame_around(normal)(direction), density};
 }
 
-/// Density of uniform_sphere.
+/// Density with which uniform_sphere draws each direction, in 1/steradian.
 inline constexpr double uniform_sphere_density = 0.25 / std::numbers::pi;
 
-/// Draws any direction, none more likely than another: its height along z is uniform (Archimedes).
+/// Draws any direction, none more likely than another: its height along z is 1 − 2u, which is uniform on a
+/// sphere (Archimedes), and its angle around z is 2πv.
 [[nodiscard]] inline DirectionAndDensity uniform_sphere(double u, double v) {
   const auto [sine, cosine] = sine_and_cosine(2 * std::numbers::pi * v);
   const double r = 2 * std::sqrt(u * (1 - u));
@@ -131,11 +133,11 @@ struct CosinePower {
   }
 };
 
-/// The microfacets of Trowbridge and Reitz (GGX) with roughness α > 0, as seen from a local direction to the
-/// viewer with z ≥ 0: normals of tiny mirrors, of which each is drawn as often as the viewer sees it.
+/// Microfacets of Trowbridge and Reitz (GGX): normals of tiny mirrors, of which each is drawn as often as the
+/// viewer sees it. Directions and normals are local unit vectors.
 struct VisibleNormals {
-  Vec3 to_viewer{0, 0, 1};
-  double roughness = 1;
+  Vec3 to_viewer{0, 0, 1};  ///< direction to the viewer, z ≥ 0
+  double roughness = 1;  ///< width α > 0 of the slopes: GgxLobe::width, the square of a material's roughness
 
   /// Returns the area of microfacets per solid angle of their normals, and per area of the surface: D = α²/(π
   /// (α² cos² θ + sin² θ)²); 0 below the surface.
@@ -146,7 +148,8 @@ struct VisibleNormals {
     return alpha2 / (std::numbers::pi * k * k);
   }
 
-  /// Returns √(cos² θ + α² sin² θ) of a direction, the length of its ellipse of slopes.
+  /// Returns √(cos² θ + α² sin² θ) of a unit direction at the angle θ to the surface's normal: its length
+  /// after x and y are multiplied by α, which turns the microfacets into a hemisphere.
   [[nodiscard]] double slope_length(const Vec3& d) const {
     return std::sqrt(d.z * d.z + roughness * roughness * (d.x * d.x + d.y * d.y));
   }
@@ -159,9 +162,9 @@ struct VisibleNormals {
            std::max(0.0, dot(to_viewer, normal));
   }
 
-  /// Returns the density of a direction in which light is mirrored to the viewer, at the normal halfway:
-  /// that of the normal over 4 (viewer · normal), as a mirror turns twice as fast as its normal. It needs no
-  /// division by that product.
+  /// Returns the density of the direction to a light that a microfacet mirrors to the viewer: density(normal)
+  /// of the normal halfway, over 4 (viewer · normal), as a mirrored ray turns twice as fast as the normal.
+  /// The product viewer · normal is a factor of density(normal) too and is left out of both.
   [[nodiscard]] double reflected_density(const Vec3& direction) const {
     const Vec3 sum = to_viewer + direction;
     const double square = dot(sum, sum);

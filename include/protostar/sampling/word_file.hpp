@@ -39,6 +39,7 @@ class WordWriter {
     if (size_ == block_.size()) flush();
   }
 
+  /// Writes a word of two halves, each below 2^32.
   void put(std::uint64_t low, std::uint64_t high) { put(low | high << 32); }
 
   /// Writes bytes, and zeros up to a whole word.
@@ -51,6 +52,7 @@ class WordWriter {
     }
   }
 
+  /// Writes the checksum, and hands the last bytes to the sink.
   void end() {
     put(checksum_.value());
     flush();
@@ -68,8 +70,8 @@ class WordWriter {
   std::size_t size_ = 0;
 };
 
-/// Words read from a source, which gives up to so many bytes as source(bytes, size) and returns how many; 0
-/// at the end. Errors name the file, and the byte at which a word begins.
+/// Words read from a source: source(bytes, size) writes up to `size` bytes and returns how many, 0 at the
+/// end. Failures are std::runtime_error; they name the file, and the byte at which a word begins.
 template <class Source>
 class WordReader {
  public:
@@ -84,6 +86,7 @@ class WordReader {
     fail("byte " + std::to_string(position_ - 8) + ": " + what);
   }
 
+  /// Reads a word. Fails at the end of the file.
   std::uint64_t get() {
     std::uint64_t word = 0;
     for (int i = 0; i < 8; ++i) {
@@ -101,7 +104,7 @@ class WordReader {
     return word;
   }
 
-  /// Returns a word of at most so much.
+  /// Reads a word. Fails with the name `what` unless it is from `least` to `most`.
   std::uint64_t get(const char* what, std::uint64_t least, std::uint64_t most) {
     const std::uint64_t word = get();
     if (word < least || word > most)
@@ -110,12 +113,13 @@ class WordReader {
     return word;
   }
 
-  /// Returns the lower and the upper half of a word.
+  /// Reads a word, and returns its lower and its upper half.
   std::pair<std::uint32_t, std::uint32_t> get_pair() {
     const std::uint64_t word = get();
     return {static_cast<std::uint32_t>(word), static_cast<std::uint32_t>(word >> 32)};
   }
 
+  /// Reads `size` bytes, and fails unless zeros fill the last word.
   std::string get_bytes(std::size_t size) {
     std::string bytes;
     for (std::size_t i = 0; i < size; i += 8) {
@@ -131,7 +135,7 @@ class WordReader {
     return bytes;
   }
 
-  /// Reads the checksum and the end of the file.
+  /// Reads the checksum and the end of the file. Fails if either is wrong.
   void end() {
     const std::uint64_t sum = checksum_.value();
     if (get() != sum)
