@@ -198,7 +198,9 @@ TEST_CASE("lines that an instance maps are enclosed in double-double, below the 
     const double size = std::ldexp(1, static_cast<int>(random.whole(300)));
     const Affine map = Affine{}.scaled_by(size * Vec3(3, 0.75, 1.25)).rotated_about({1, 0, 2}, i % 2 * 30);
     const AffineInverse inverse(map);
-    const auto number = [&] { return std::ldexp(random.real(-1, 1), -std::abs(random.whole(1070))); };
+    const auto number = [&] {
+      return std::ldexp(random.real(-1, 1), -static_cast<int>(std::abs(random.whole(1070))));
+    };
     const Ray outer{.origin = {number(), number(), number()}, .direction = {number(), number(), 1}};
     const RayTransform transform(outer, inverse);
     const Ray ray = transform.ray();
