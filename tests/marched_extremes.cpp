@@ -223,6 +223,21 @@ TEST_CASE("lines that an instance maps are enclosed in double-double, below the 
   CHECK(wrong == 0);
 }
 
+TEST_CASE("a ray that leaves a torus along a direction in which it hardly curves is decided") {
+  const auto torus = [](const auto& p) {
+    const auto ring = length(Vec2{p.x, p.z}) - 1.0;
+    return length(Vec2{ring, p.y}) - 0.3;
+  };
+  const Marched marched{torus, Bounds{{-1.3, -0.3, -1.3}, {1.3, 0.3, 1.3}}};
+  // The field is about 3e-5 t² above its value at the origin: small steps for long.
+  const Ray ray{.origin = {-0x1.7fe84e7b90c28p-2, -0x1.0870f0f4eb5ep-4, -0x1.32ea51331ea7p-1},
+                .direction = {0x1.4d5fdbe7c1cd9p-1, -0x1.0ea583f6e8ffep-1, -0x1.16d8f54ceaf1p-1},
+                .departure = marched.departure()};
+  const auto before = fallbacks.undecided;
+  CHECK_FALSE(marched.intersect(ray));
+  CHECK(fallbacks.undecided == before);
+}
+
 TEST_CASE("a hit at the smallest t above 0 is found") {
   const Marched marched{[](const auto& p) { return p.x; }, Bounds{Point(-1), Point(1)}};
   for (const double multiple : {1.0, 3.0, 7.0}) {

@@ -236,7 +236,9 @@ class March {
       const M met = meet(narrowed_root<B>(line_, has_crossed, t_, crossed));
       after.fail = after.fail || (has_crossed && !met);
     }
-    const M creeps = live && !(t_ - begin > R(StepRules::least_progress) * line_.extent());
+    const M comes_farther = t_ - begin > R(StepRules::least_progress) * line_.extent() ||
+                            (begin >= R(0.0) && t_ > R(2.0) * begin);
+    const M creeps = live && !comes_farther;
     after.fail = after.fail || creeps;
     after.are_worth_balls = after.are_worth_balls || (live && !creeps);
     return after;
