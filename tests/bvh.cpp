@@ -90,6 +90,18 @@ bool meets(const Ray& ray, Interval range, const Bounds& box) {
 
 }  // namespace
 
+TEST_CASE("no end of a box is a subnormal float, which some processors multiply slowly") {
+  const simd::BoxSpace space(Bounds{{-2, -2, -2}, {2, 2, 2}});
+  for (const double other : {1.5, 0x1p-40, 0.0}) {
+    const simd::Box box = space(Bounds{{0, -other, 0}, {0, 0, other}});
+    for (int axis = 0; axis < 3; ++axis) {
+      CHECK(std::isnormal(box.min[axis]));
+      CHECK(std::isnormal(box.max[axis]));
+      CHECK(box.min[axis] < box.max[axis]);
+    }
+  }
+}
+
 TEST_CASE("every leaf whose box a ray hits is visited, and none twice") {
   struct Row {
     int count;

@@ -55,7 +55,7 @@ inline bool is_light(const Color& c) {
 }
 
 /// Returns light with each channel clamped to the largest float: products and sums of finite light may be
-/// infinite.
+/// infinite. It is inlined, as a call returns numbers that have just been stored (copied).
 [[nodiscard, gnu::always_inline]] inline Color clamped(const Color& light) {
   constexpr float most = std::numeric_limits<float>::max();
   return {std::min(light.r, most), std::min(light.g, most), std::min(light.b, most)};

@@ -73,7 +73,7 @@ struct BoxSpace {
   [[nodiscard]] Point operator()(const Point& x) const { return (x - center) * scale; }
 
   /// Returns the box around bounds. float(x) is off by at most 2^-24 |x|, or by 2^-150 near 0. An end at 0 is
-  /// moved to the next normal number, since processors that multiply subnormal ones need 100 times as long.
+  /// moved to the next normal number: some processors are slow at products of subnormal ones.
   [[nodiscard]] Box operator()(const Bounds& bounds) const {
     const Vec3 a = (*this)(bounds.min), b = (*this)(bounds.max);
     Box box{Float4(0), Float4(0)};

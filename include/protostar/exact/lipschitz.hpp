@@ -187,7 +187,7 @@ class Variation {
   template <std::size_t n>
   friend Variation length_of(const Variation (&v)[n]) {
     static_assert(n <= 16, "length_of: at most 16 components");  // larger_by_rounding holds for these
-    constexpr double roundings = n <= 6 ? 3 : 0.5 * n;
+    constexpr double roundings = std::max(3.0, 0.5 * n);
     Values values[n];
     for (std::size_t i = 0; i < n; ++i) values[i] = v[i].value;
     Variation length;

@@ -28,24 +28,24 @@ struct Claim {
   protostar::MarchedRoot root;
 };
 
-/// Range of a ray from its origin, or from the place where it enters, that has no root, and the sign there.
+/// End of a part of a ray that has no root but a departure at 0, and the sign of the truth there.
 struct Start {
   double t;
   bool is_negative;
 };
 
-/// Limits of what numbers T are asked before others with more digits are.
+/// Limits of a subdivision in numbers of type T. Parts that it leaves open are asked in the next type, which
+/// has more digits.
 struct Tier {
-  double least_start;  ///< of rays that leave
-  int most_steps;      ///< of a subdivision
-  double least_width;  ///< of its parts
+  int most_steps;
+  double least_width;  ///< of a part
 };
 template <class T>
-inline constexpr Tier tier{1e-30, 20000, 0x1p-95};
+inline constexpr Tier tier{20000, 0x1p-95};
 template <>
-inline constexpr Tier tier<double>{1e-12, 400, 0x1p-30};
+inline constexpr Tier tier<double>{400, 0x1p-30};
 template <>
-inline constexpr Tier tier<long double>{1e-15, 60, 0x1p-40};
+inline constexpr Tier tier<long double>{60, 0x1p-40};
 
 enum class Sign { positive, negative, unknown, along };
 
@@ -65,13 +65,14 @@ class TrueLine {
         leaves_(claim.leaves) {}
 
   /// Returns the end of what lies before the first root for certain: `begin`, or for a ray that leaves the
-  /// surface a parameter up to which the slope has one sign. Returns nothing if no sign is certain.
-  [[nodiscard]] std::optional<Start> start(double end) const {
+  /// surface a parameter above `least` up to which the slope has one sign. Returns nothing if no sign is
+  /// certain.
+  [[nodiscard]] std::optional<Start> start(double end, double least) const {
     const auto start_if_signed = [](double t, const Range<T>& x) {
       return x.lo > 0 || x.hi < 0 ? std::optional(Start{t, x.hi < 0}) : std::nullopt;
     };
     if (!leaves_) return start_if_signed(begin_, at(T(begin_), T(begin_)).v);
-    for (double h = end; h > tier<T>.least_start; h /= 8)
+    for (double h = end; h > least; h /= 8)
       if (const auto found = start_if_signed(h, at(T(0), T(h)).s)) return found;
     return {};
   }
@@ -212,8 +213,8 @@ class Judge {
         : quick(truth, claim, level), finer(truth, claim, level), precise(truth, claim, level) {}
 
     [[nodiscard]] std::optional<Start> start(double end) const {
-      const std::optional<Start> start = quick.start(end);
-      return start ? start : precise.start(end);
+      const std::optional<Start> start = quick.start(end, 1e-12);
+      return start ? start : precise.start(end, 1e-30);
     }
     void turn(bool is_negative) {
       quick.turn(is_negative), finer.turn(is_negative), precise.turn(is_negative);
