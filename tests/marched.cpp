@@ -157,7 +157,7 @@ TEST_CASE("the order of a marched crossing among those of other surfaces is deci
   CHECK(fallbacks.undecided == 1);
 }
 
-TEST_CASE("rays past an edge or a seam, and rays that meet one, are undecided only in the last places") {
+TEST_CASE("rays past an edge or a seam, and rays that meet one, are decided down to double-double") {
   // Each field is 0 at the origin, and rays come there at t = 1/3, between two doubles.
   const Vec3 start{1, -2, 0}, past{-3, 6, 0};
   const auto undecided_of = [](const auto& field, const Ray& ray, MarchedRoot::Answer answer) {
@@ -180,18 +180,41 @@ TEST_CASE("rays past an edge or a seam, and rays that meet one, are undecided on
     };
   };
   using enum MarchedRoot::Answer;
-  // The slopes over a piece around the edge are the hull of those on both sides.
   CHECK(undecided_of(wedge(0x1p-95), {start, past}, miss) == 0);
   CHECK(undecided_of(wedge(0x1p-110), {start, past}, undecided) == 1);
-  // They are more for the sum in the formula of a box, whose terms have their kinks in one place.
-  CHECK(undecided_of(box(0x1p-50), {start, past}, miss) == 0);
-  CHECK(undecided_of(box(0x1p-56), {start, past}, undecided) == 1);
+  CHECK(undecided_of(wedge(-0x1p-95), {start, past}, hit) == 0);
+  // The terms of the formula of a box have their kinks in one place, and slopes over a piece around it are
+  // the sum of their hulls.
+  CHECK(undecided_of(box(0x1p-56), {start, past}, miss) == 0);
+  CHECK(undecided_of(box(0x1p-95), {start, past}, miss) == 0);
+  CHECK(undecided_of(box(0x1p-110), {start, past}, undecided) == 1);
+  CHECK(undecided_of(box(-0x1p-95), {start, past}, hit) == 0);
   // Past a seam, from one ball to the other: the first crossing is where the ray leaves the second one.
   CHECK(undecided_of(two_balls(0x1p-95), {{-0.25, 0.125, 0}, {0.75, -0.375, 0}}, hit) == 0);
   CHECK(undecided_of(two_balls(0x1p-110), {{-0.25, 0.125, 0}, {0.75, -0.375, 0}}, undecided) == 1);
   // Crossings at the edge and at the seam.
   CHECK(undecided_of(box(0), {{1, 2, 0}, {-3, -6, 0}}, hit) == 0);
   CHECK(undecided_of(two_balls(0), {{0.25, -1, 0}, {-0.75, 3, 0}}, hit) == 0);
+}
+
+TEST_CASE("a ray that clips an edge between two doubles crosses the surface twice there") {
+  // From x > 0 into y > 0, with the corner of the solid beyond the line by 2^-60, at t = 1/3.
+  const auto clipped = [](const auto& p) { return max(p.x, p.y) - 0x1p-60; };
+  const Marched surface(clipped, cube_bounds(3), 100);
+  const Ray ray{.origin = {1, -2, 0}, .direction = {-3, 6, 0}};
+  fallbacks = {};
+  const auto all = crossings_of(surface, ray);
+  REQUIRE(all.size() == 2);
+  CHECK(std::abs(all[0] - 1.0 / 3) <= 2 * ulp);
+  CHECK(std::abs(all[1] - 1.0 / 3) <= 2 * ulp);
+  NoTrace trace;
+  const MarchedRoot first = surface.march(ray, {}, trace);
+  CHECK(first.min < first.max);
+  CHECK((first.min <= 1.0 / 3 && 1.0 / 3 <= first.max));
+  // The same from the other side, where one ray leaves the solid and enters it again.
+  const auto groove = [](const auto& p) { return 0x1p-60 - max(p.x, p.y); };
+  CHECK(crossings_of(Marched(groove, cube_bounds(3), 100), ray).size() == 2);
+  CHECK(fallbacks.undecided == 0);
 }
 
 TEST_CASE("bounds that are empty, infinite or not numbers are refused with what was found") {

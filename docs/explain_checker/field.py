@@ -335,13 +335,13 @@ class FieldAlong:
                 self.check_value(step[name], t, error)
         for place in ("before", "behind"):
             if place in step:
-                self.check_value(step["value_" + place], step[place].number(), error)
+                self.check_value(step["value_" + place], step[place].parameter(), error)
         if kind == "deflation":
             if not self.has_one_slope(start, to):
                 raise Wrong(step["to"].at("must end a segment over which the field rises, or falls, all the way"))
             return
         if kind == "sign change":
-            least = step["min"].number()
+            least = step["min"].parameter()
             self.check_value(step["value_at_min"], least, error)
             before = self.sign(least)
             if self.sign(to) == 0 or (before and before == self.sign(to)) or (not before and least > 0):

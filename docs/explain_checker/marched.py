@@ -4,7 +4,7 @@ from fractions import Fraction
 from .exact import length, sign, sizes, unit
 from .field import Field, FieldAlong, fraction
 from .surfaces import Departure, surface_type
-from .values import shown, U, Unreadable, Wrong
+from .values import shown, TINY, U, Unreadable, Wrong
 
 
 @surface_type("marched")
@@ -76,9 +76,11 @@ class Marched:
         for i, step in enumerate(steps):
             if found:
                 raise Wrong(step.at("follows a step that has found the first crossing"))
-            kind, begin, to = step["type"].word(), step["from"], step["to"].number()
-            begin.must_be_near(at, near if i == 0 else 0)
-            start = begin.number()
+            kind, begin, to = step["type"].word(), step["from"], step["to"].parameter()
+            start = begin.parameter()
+            # A march that goes back from double-double to double begins with the double below t.
+            if abs(start - at) > (near if i == 0 else 2 * U * abs(at)) + TINY or (i > 0 and start > at):
+                begin.refuse(start, at)
             if kind == "touch":
                 if along:
                     along.check_touch(step, start)
@@ -113,7 +115,7 @@ class Marched:
                     raise Wrong(step["slopes"].at("must be of one sign"))
                 known = (a if a >= 0 else -b) * width * (1 - Fraction(1, 2**49))
             elif kind == "sign change":
-                least, most = step["min"].number(), to
+                least, most = step["min"].parameter(), to
                 if not start <= least <= most:
                     step["min"].refuse(least, start)
                 if "behind" in step:
@@ -135,7 +137,7 @@ class Marched:
     def check_bend(self, step, start, width, error, reach, d):
         """Checks that the line through two values, less what the bend takes from it, is above 0 up to the end of a step, or
         to the ball there. Convexity: F(t + s) ≥ F(t) + q s − ½ b s (s + w), with the slope q over w before t."""
-        before = start - step["before"].number()
+        before = start - step["before"].parameter()
         if before <= 0:
             step["before"].refuse(start - before, start)
         value = step["value"].number() - error
@@ -149,7 +151,7 @@ class Marched:
 
     def check_fall(self, step, start, to, error, d):
         """Checks that the slope behind a crossing is so far below 0 that the field falls from the start on."""
-        behind = step["behind"].number()
+        behind = step["behind"].parameter()
         if behind <= to:
             step["behind"].refuse(behind, to)
         rise = (step["value_behind"].number() - step["value_at_to"].number() + 2 * error) / (behind - to)
@@ -179,15 +181,9 @@ class Marched:
         left = known if left is None else left if known is None else max(left, known)
         if left is None or right is None:
             raise Unreadable(step.at("must have values at both ends"))
-        bounds = [values[0]]
-        if lo >= 0:
-            bounds.append(left)
-        elif hi <= 0:
-            bounds.append(right)
-        else:
-            bounds += [left + lo * width, right - hi * width]
-            if left > 0 and right > 0:
-                bounds.append((hi * left - lo * right + lo * hi * width) / (hi - lo))
+        bounds = [values[0], left + min(lo, 0) * width, right - max(hi, 0) * width]
+        if lo < 0 < hi and left > 0 and right > 0:
+            bounds.append((hi * left - lo * right + lo * hi * width) / (hi - lo))
         if is_double and max(bounds) <= 0:
             raise Wrong(step["values"].at("and the other numbers of the segment must prove the field to be above 0"))
         return max(right, max(bounds), left + lo * width)

@@ -57,6 +57,10 @@ class Value:
             raise Unreadable(self.at("must be a finite number"))
         return self.data
 
+    def parameter(self):
+        """Returns a parameter t of a march: a number, or the sum of two if it lies between two doubles."""
+        return sum(self.vector(2)) if isinstance(self.data, list) else self.number()
+
     def whole(self):
         if self.number().denominator != 1:
             raise Unreadable(self.at("must be a whole number"))

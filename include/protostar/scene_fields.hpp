@@ -19,12 +19,12 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// crossing.
 class CountedMarch final : public MarchListener {
  public:
-  void evaluated(Evaluation kind, double a, double b, const Result&) override {
-    counts_.evaluated(kind, a, b);
+  void evaluated(Evaluation kind, const DoubleDouble& a, const DoubleDouble& b, const Result&) override {
+    counts_.evaluated(kind, a.hi, b.hi);
   }
-  void proven(MarchProof proof, double a, double b) override {
+  void proven(MarchProof proof, const DoubleDouble& a, const DoubleDouble& b) override {
     is_hit_ = proof == MarchProof::sign_change || proof == MarchProof::touch;
-    enclosure_ = {a, b};
+    enclosure_ = {double_below(a), double_above(b)};
   }
 
   [[nodiscard]] const MarchCounts& counts() const { return counts_; }

@@ -165,14 +165,15 @@ static Facts equation_of(const Moving<S>& s, const Ray& ray) {
 /// Keeps the steps of a march, with the evaluations that prove each of them.
 class MarchSteps final : public MarchListener {
  public:
-  void evaluated(Evaluation kind, double a, double b, const Result& result) override {
+  void evaluated(Evaluation kind, const DoubleDouble& a, const DoubleDouble& b,
+                 const Result& result) override {
     if (kind == Evaluation::value || kind == Evaluation::precise_value)
       values_[a] = result, last_ = a;
     else
       slope_ = {a, b, kind == Evaluation::precise_slope, result}, fall_.reset();
   }
 
-  void proven(MarchProof proof, double a, double b) override {
+  void proven(MarchProof proof, const DoubleDouble& a, const DoubleDouble& b) override {
     const Result& over = slope_.result;
     switch (proof) {
       case MarchProof::ball:
@@ -181,7 +182,7 @@ class MarchSteps final : public MarchListener {
         return add("two balls", a, b, {{"value", value_at(a)}, {"value_at_to", value_at(b)}});
       case MarchProof::bend:
         return add("bend", a, b,
-                   {{"before", {from_}},
+                   {{"before", of_parameter(from_)},
                     {"value_before", value_at(from_)},
                     {"value", value_at(a)},
                     {"value_at_to", value_at(b)}});
@@ -199,14 +200,14 @@ class MarchSteps final : public MarchListener {
       case MarchProof::sign_change:
         if (fall_)
           return add("sign change", fall_->a, b,
-                     {{"behind", {fall_->behind}},
-                      {"min", {a}},
+                     {{"behind", of_parameter(fall_->behind)},
+                      {"min", of_parameter(a)},
                       {"value_behind", value_at(fall_->behind)},
                       {"value_at_min", value_at(a)},
                       {"value_at_to", value_at(b)}});
         return add("sign change", slope_.a, b,
                    {{"slopes", {over.slope_lower, over.slope_upper}},
-                    {"min", {a}},
+                    {"min", of_parameter(a)},
                     {"value_at_min", value_at(a)},
                     {"value_at_to", value_at(b)}});
       case MarchProof::touch:
@@ -217,15 +218,20 @@ class MarchSteps final : public MarchListener {
   [[nodiscard]] const Facts& facts() const { return facts_; }
 
  private:
-  void add(const char* type, double from, double to, std::vector<Named> numbers) {
-    numbers.insert(numbers.begin(), {{"from", {from}}, {"to", {to}}});
+  /// Returns a parameter t as a number, or as two whose sum it is if it lies between two doubles.
+  static std::vector<double> of_parameter(const DoubleDouble& t) {
+    return t.lo == 0 ? std::vector{t.hi} : std::vector{t.hi, t.lo};
+  }
+
+  void add(const char* type, const DoubleDouble& from, const DoubleDouble& to, std::vector<Named> numbers) {
+    numbers.insert(numbers.begin(), {{"from", of_parameter(from)}, {"to", of_parameter(to)}});
     facts_.parts.push_back({type, std::move(numbers)});
     from_ = from;
   }
 
   /// Returns the value at t, or its enclosure if it was evaluated in double-double; nothing if it was not
   /// evaluated there.
-  [[nodiscard]] std::vector<double> value_at(double t) const {
+  [[nodiscard]] std::vector<double> value_at(const DoubleDouble& t) const {
     const auto found = values_.find(t);
     if (found == values_.end()) return {};
     const Result& value = found->second;
@@ -233,14 +239,14 @@ class MarchSteps final : public MarchListener {
   }
 
   Facts facts_{"march"};
-  std::map<double, Result> values_;
-  double from_ = 0, last_ = 0;  ///< where the last step begins, and the place of the last value
+  std::map<DoubleDouble, Result> values_;
+  DoubleDouble from_, last_;  ///< where the last step begins, and the place of the last value
   struct Fall {
-    double a, behind;
+    DoubleDouble a, behind;
   };
   std::optional<Fall> fall_;  ///< proof of a fall by values, unless an enclosure of a slope came after it
   struct {
-    double a = 0, b = 0;
+    DoubleDouble a, b;
     bool is_precise = false;
     Result result;
   } slope_;

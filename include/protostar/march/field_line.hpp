@@ -199,8 +199,8 @@ class FieldLine {
   [[nodiscard]] double resolution() const { return scale_.resolution; }
 
   /// Tells the trace of a proof about the parameters [a, b] of this line, if `is_proven`.
-  void proven(MarchProof proof, bool is_proven, double a, double b) {
-    if (is_proven) trace_.proven(proof, a * unit(), b * unit());
+  void proven(MarchProof proof, bool is_proven, const DoubleDouble& a, const DoubleDouble& b) {
+    if (is_proven) trace_.proven(proof, told(a), told(b));
   }
 
   /// Sets the sign of F, 1 or −1: it changes where a march goes on behind a crossing, or leaves inward.
@@ -234,7 +234,7 @@ class FieldLine {
       return {v - error, v + error};
     } else {
       const Enclosure<B> v = turned(over(Enclosure<B>::at(t)) - level<B>());
-      tell(Evaluation::precise_value, t.hi, t.hi, v.lower, v.upper);
+      tell(Evaluation::precise_value, t, t, v.lower, v.upper);
       return v;
     }
   }
@@ -251,19 +251,27 @@ class FieldLine {
     const Slope<Enclosure<B>> f =
         field_(FieldPoint<Slope<Enclosure<B>>>{coordinate(0), coordinate(1), coordinate(2)});
     const Slope<Enclosure<B>> result{turned(f.value - level<B>()), turned(f.slope)};
-    tell(std::is_same_v<B, double> ? Evaluation::slope : Evaluation::precise_slope, static_cast<double>(a),
-         static_cast<double>(b), result.value.lower, result.value.upper, result.slope.lower * B(1 / unit()),
-         result.slope.upper * B(1 / unit()));
+    tell(std::is_same_v<B, double> ? Evaluation::slope : Evaluation::precise_slope, a, b, result.value.lower,
+         result.value.upper, result.slope.lower * B(1 / unit()), result.slope.upper * B(1 / unit()));
     return result;
   }
 
  private:
   /// Tells the trace of an evaluation over [a, b] of this line, and a trace that takes results of these.
-  void tell(Evaluation kind, double a, double b, const auto&... result) {
+  void tell(Evaluation kind, const DoubleDouble& a, const DoubleDouble& b, const auto&... result) {
     if constexpr (std::is_base_of_v<MarchListener, Trace>)
-      trace_.evaluated(kind, a * unit(), b * unit(), {static_cast<double>(result)...});
+      trace_.evaluated(kind, told(a), told(b), {static_cast<double>(result)...});
     else
-      trace_.evaluated(kind, a * unit(), b * unit());
+      trace_.evaluated(kind, told(a), told(b));
+  }
+
+  /// Returns a parameter of the line as one of the ray, with the digits that the trace takes.
+  [[nodiscard]] auto told(const DoubleDouble& t) const {
+    const DoubleDouble of_ray(t.hi * unit(), t.lo * unit());
+    if constexpr (std::is_base_of_v<MarchListener, Trace>)
+      return of_ray;
+    else
+      return static_cast<double>(of_ray);
   }
 
   [[nodiscard]] double plain(double t) const {

@@ -16,7 +16,8 @@ namespace detail {
 /// Parameter t from which a march begins: no root lies between the last root and t. If `known` is above 0, F
 /// is at least `known` at t.
 struct MarchStart {
-  double t = 0, known = 0;
+  DoubleDouble t;
+  double known = 0;
 };
 
 /// Sets the sign of a line so that F(t) > 0. Returns false if double-double does not tell the sign of F(t).
@@ -89,17 +90,18 @@ void each_root(Line& line, double begin, double stop, bool leaves, const auto& v
       at = {decided_behind(line, begin)};
     }
   }
-  bool may_be_departure = at.t > begin;
-  while (at.t < end && at.t < stop) {
-    const MarchedRoot root = March(line, at.t, stop, at.known).root();
+  bool may_be_departure = at.t.hi > begin;
+  while (at.t < DoubleDouble(end) && at.t < DoubleDouble(stop)) {
+    March march(line, at.t, stop, at.known);
+    const MarchedRoot root = march.root();
     if (root.answer == MarchedRoot::Answer::miss) return;
     if (root.answer == MarchedRoot::Answer::hit) {
       if (visit(root)) return;
       line.turn_to(-line.sign());
-      at = {root.max};
+      at = {march.behind()};
     } else {
       // A march that does not get away from the departure has found no other root.
-      const bool is_departure = may_be_departure && root.min == at.t;
+      const bool is_departure = may_be_departure && root.min == at.t.hi;
       if (!is_departure && visit(root)) return;
       const double sign = line.sign();
       at = {decided_behind(line, root.max)};

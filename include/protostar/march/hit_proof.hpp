@@ -152,31 +152,36 @@ template <class Line, class R, class M>
 /// or two where the secant converges. Values are taken at 2^-45 on both sides of the secant's root, which
 /// leaves a segment of 2^-44, less than 2^-42. Every three steps halve the segment if the sign in its middle
 /// is certain, and leave ¾ of it otherwise: 200 steps halve it 66 times, more often than a double has digits.
-template <class B, class Line, class R, class M>
-[[nodiscard]] ProvenRoots<R, M> narrowed_root(Line& line, M open, R a, R b) {
+///
+/// B is the number type of enclosures and of a and b. The values are taken at doubles, since double-double
+/// parameters are only needed between two of these, where nothing is left to be narrowed.
+template <class B, class Line, class M>
+[[nodiscard]] ProvenRoots<B, M> narrowed_root(Line& line, M open, B a, B b) {
+  using R = typename Line::Number;
   using rounding::any, rounding::select;
   const M asked = open;
   const B zero(0.0);
-  Enclosure<B> at_a = line.enclosed(B(a), open), at_b = line.enclosed(B(b), open);
+  Enclosure<B> at_a = line.enclosed(a, open), at_b = line.enclosed(b, open);
   /// Moves an end to t in lanes where the sign of F is certain there. Returns these lanes.
-  const auto take = [&](const R& t, M lanes) {
+  const auto take = [&](const B& t, M lanes) {
     lanes = lanes && a < t && t < b;
     if (!any(lanes)) return lanes;
-    const Enclosure<B> at_t = line.enclosed(B(t), lanes);
+    const Enclosure<B> at_t = line.enclosed(t, lanes);
     const M is_before = lanes && zero < at_t.lower, is_behind = lanes && at_t.upper < zero;
     a = select(is_before, t, a), at_a = select(is_before, at_t, at_a);
     b = select(is_behind, t, b), at_b = select(is_behind, at_t, at_b);
     return is_before || is_behind;
   };
   for (int i = 0; i < 200; ++i) {
-    open = open && b - a > R(0x1p-42) * rounding::min(rounding::abs(a), rounding::abs(b));
+    const R left(a), right(b), width = right - left;
+    open = open && width > R(0x1p-42) * rounding::min(rounding::abs(left), rounding::abs(right));
     if (!any(open)) break;
     const R v_a = static_cast<R>(at_a.lower + at_a.upper), v_b = static_cast<R>(at_b.lower + at_b.upper);
     // On both sides of the secant's root, where F is four times its error. Values are doubled here.
-    const R unsure = std::is_same_v<B, R> ? R(8.0) * line.error() * ((b - a) / (v_a - v_b)) : R(0.0);
-    const R secant = a + (b - a) * (v_a / (v_a - v_b)),
-            side = rounding::max(R(0x1p-45) * rounding::abs(b), unsure);
-    const R middle = R(0.5) * (a + b);
+    const R unsure = std::is_same_v<B, R> ? R(8.0) * line.error() * (width / (v_a - v_b)) : R(0.0);
+    const R secant = left + width * (v_a / (v_a - v_b)),
+            side = rounding::max(R(0x1p-45) * rounding::abs(right), unsure);
+    const R middle = R(0.5) * (left + right);
     if (i % 3 == 0) {
       take(secant - side, open);
     } else if (i % 3 == 1) {
@@ -184,13 +189,14 @@ template <class B, class Line, class R, class M>
     } else {
       const M stays = open && !take(middle, open);
       if (!any(stays)) continue;
-      const R quarter = R(0.25) * (b - a);
+      const R quarter = R(0.25) * width;
       const M moved = take(middle - quarter, stays), moved_back = take(middle + quarter, stays);
       open = open && !(stays && !moved && !moved_back);
     }
   }
-  const M is_last = std::is_same_v<B, DoubleDouble> && b - a <= R(enclosure_width) * line.extent();
-  return {.met = asked && (is_narrow(a, b) || is_last), .min = a, .max = b};
+  const R left(a), right(b);
+  const M is_last = std::is_same_v<B, DoubleDouble> && right - left <= R(enclosure_width) * line.extent();
+  return {.met = asked && (is_narrow(left, right) || is_last), .min = a, .max = b};
 }
 
 }  // namespace detail

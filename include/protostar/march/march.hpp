@@ -9,6 +9,10 @@
 // decides where double cannot.
 #pragma once
 
+#include <cmath>
+#include <concepts>
+#include <type_traits>
+
 #include "hit_proof.hpp"
 #include "step_rules.hpp"
 
@@ -18,19 +22,24 @@ namespace detail {
 
 /// March along one line, or along one in each lane, from where F > 0 to the first root. `Line` is a FieldLine
 /// or FieldLines. Lanes march together, and each takes the steps that its line takes alone: it waits while
-/// others go on. One that needs more than double goes on alone, from where it is.
+/// others go on. One that needs more than double goes on alone, from where it is. In double-double, the
+/// parameter t has as many digits as F: an edge of a surface may lie between two doubles, and a ray may cross
+/// the surface twice there.
 template <class Line>
 class March {
  public:
   using R = typename Line::Number;  ///< double, or simd::Doubles
   using M = typename Line::Truth;   ///< bool, or a mask of lanes
 
+  /// Number type of the parameter at which a march begins: one line alone may begin between two doubles.
+  using Begin = std::conditional_t<std::same_as<R, double>, DoubleDouble, R>;
+
   /// Starts at the parameter t of the line, up to which all roots have been found. If `known` is above 0, F
   /// is at least `known` at t. A march that comes to the end of the line proves a miss; one that comes to
   /// `stop` goes no farther, since no root behind it is wanted. The steps, and with them the digits of the
   /// root, do not depend on `stop`.
-  March(Line& line, const R& t, double stop, const R& known = 0.0)
-      : line_(line), t_(t), known_(known), before_(t), end_(line.span().max), stop_(stop) {}
+  March(Line& line, const Begin& t, double stop, const R& known = 0.0)
+      : line_(line), begin_(t), t_(t), known_(known), before_(t), end_(line.span().max), stop_(stop) {}
 
   /// Marches in double, in the lanes `live`. Returns the lanes in which double proves nothing more before the
   /// march has ended. In all others the march has met its first root, or come to its end.
@@ -40,7 +49,7 @@ class March {
       before_ = select(live, t_, before_);
       if (any(to_balls)) to_segments = to_segments || march_by_balls(to_balls);
       if (!any(to_segments)) break;
-      const Segments after = march_by_segments<R>(to_segments);
+      const Segments after = march_by_segments(t_, roots_, to_segments);
       fails = fails || after.fail;
       to_balls = live = after.are_worth_balls, to_segments = false;
     }
@@ -49,23 +58,32 @@ class March {
 
   /// Returns the first root of a single line, or a miss; in double, and where that does not suffice in
   /// double-double.
-  [[nodiscard]] MarchedRoot root() { return in_double(true) ? precise_root(before_) : found(); }
+  [[nodiscard]] MarchedRoot root() {
+    if (begin_.lo != 0) return precise_root(begin_, -infinity);
+    return in_double(true) ? precise_root(t_, before_) : found();
+  }
 
-  /// Returns the first root of a single line whose march goes on in double-double, from where it is. `before`
-  /// is the t at which the march last tried balls.
-  [[nodiscard]] MarchedRoot precise_root(double before) {
+  /// Returns the first root of a single line whose march goes on in double-double, from t. `before` is the t
+  /// at which the march last tried balls.
+  [[nodiscard]] MarchedRoot precise_root(DoubleDouble t, double before) {
     for (;;) {
-      const Segments after = march_by_segments<DoubleDouble>(true);
+      ProvenRoots<DoubleDouble, bool> root;
+      const Segments after = march_by_segments(t, root, true);
+      t_ = double_below(t);
+      if (root.met) return hit(root);
       if (after.fail) return undecided();
-      if (!after.are_worth_balls) return found();
+      if (!after.are_worth_balls) return {};
       if (!(t_ > before)) return undecided();
       if (!in_double(true)) return found();
-      before = before_;
+      t = t_, before = before_;
     }
   }
 
-  /// Returns the roots that have been met.
+  /// Returns the roots that have been met in double.
   [[nodiscard]] const ProvenRoots<R, M>& roots() const { return roots_; }
+
+  /// Returns a parameter behind the root of a single line, where the field is beyond 0.
+  [[nodiscard]] const DoubleDouble& behind() const { return behind_; }
 
   /// Return the t at which the march is, and the t at which it last tried balls.
   [[nodiscard]] const R& t() const { return t_; }
@@ -78,8 +96,14 @@ class March {
     M fail;             ///< this precision proves nothing more
   };
 
-  [[nodiscard]] MarchedRoot found() const {
-    return {roots_.met ? MarchedRoot::Answer::hit : MarchedRoot::Answer::miss, roots_.min, roots_.max};
+  /// Returns what a march in double has found.
+  [[nodiscard]] MarchedRoot found() {
+    return roots_.met ? hit(ProvenRoots<DoubleDouble, bool>{true, roots_.min, roots_.max}) : MarchedRoot{};
+  }
+
+  [[nodiscard]] MarchedRoot hit(const ProvenRoots<DoubleDouble, bool>& root) {
+    behind_ = root.max;
+    return {MarchedRoot::Answer::hit, double_below(root.min), double_above(root.max)};
   }
 
   [[nodiscard]] MarchedRoot undecided() {
@@ -88,20 +112,31 @@ class March {
     return {MarchedRoot::Answer::undecided, t_, t_};
   }
 
-  /// Takes roots. Returns the lanes that have met theirs.
-  M meet(const ProvenRoots<R, M>& found) {
+  /// Adds found roots to others. Returns the lanes that have met theirs.
+  template <class B>
+  M meet(const ProvenRoots<B, M>& found, ProvenRoots<B, M>& roots) {
     line_.proven(MarchProof::sign_change, found.met, found.min, found.max);
-    roots_.min = select(found.met, found.min, roots_.min);
-    roots_.max = select(found.met, found.max, roots_.max);
-    roots_.met = roots_.met || found.met;
+    roots.min = select(found.met, found.min, roots.min);
+    roots.max = select(found.met, found.max, roots.max);
+    roots.met = roots.met || found.met;
     return found.met;
   }
 
-  /// Goes on to t, as the way there is proven empty. Returns the lanes that are to go farther: a march ends
-  /// at the end of its line, and where no more of it is wanted.
-  M advance(M lanes, const R& t) {
-    t_ = select(lanes, t, t_);
-    return lanes && !(t >= end_ || t >= R(stop_));
+  /// Sets the parameter of the march to t, as the way there is proven empty. Returns the lanes that are to go
+  /// farther: a march ends at the end of its line, and where no more of it is wanted.
+  template <class B>
+  M advance(B& at, M lanes, const B& t) const {
+    at = select(lanes, t, at);
+    return lanes && !(B(end_) <= t || B(stop_) <= t);
+  }
+
+  /// Returns t + h. In double-double the sum is rounded to double, so that a march goes on in double from
+  /// there, unless h is below 2^-50 of t: then rounding could change it by an eighth or more.
+  [[nodiscard]] static R stepped(const R& t, const R& h) { return t + h; }
+  [[nodiscard]] static DoubleDouble stepped(const DoubleDouble& t,
+                                            double h) requires std::same_as<R, double> {
+    const DoubleDouble next = t + DoubleDouble(h);
+    return h < 0x1p-50 * std::abs(t.hi) ? next : DoubleDouble(next.hi);
   }
 
   /// Marches by balls. Returns the lanes where segments do better; F > 0 is proven where they stop, if they
@@ -157,7 +192,7 @@ class March {
           const R ahead =
               bends ? rounding::max(radius, Rules::free_behind(before.v, way, v, error, bend)) : radius;
           free = select(moves, ahead, free);
-          goes_on = advance(moves, t);
+          goes_on = advance(t_, moves, t);
           const M is_slow = goes_on && radius < R(Rules::slow_ball) * extent;
           slow = select(is_slow, slow + R(1.0), slow);
           const M is_too_slow = is_slow && slow > R(Rules::most_slow);
@@ -179,7 +214,7 @@ class March {
       }
       const M asked = tries_any || crosses_any;
       if (!any(asked)) break;
-      const M met = meet(root_by_secant(line_, asked, first, second));
+      const M met = meet(root_by_secant(line_, asked, first, second), roots_);
       failed = select(asked && !met, failed + R(1.0), failed);
       next_try = select(tries_any, R(Rules::again) * radius, next_try);
       is_turned_back = crosses_any && !met;
@@ -190,54 +225,57 @@ class March {
     return to_segments;
   }
 
-  /// Marches by segments, with enclosures in B, in the lanes `live`, until balls are faster again, B proves
-  /// nothing more, a root is met, or the march ends. A segment is empty if enclosures of its values and
-  /// slopes prove it (SegmentProof). It has one root if F falls all along and is below 0 at its end;
+  /// Marches by segments from t, with enclosures in B, in the lanes `live`, until balls are faster again, B
+  /// proves nothing more, a root is met, or the march ends. A segment is empty if enclosures of its values
+  /// and slopes prove it (SegmentProof). It has one root if F falls all along and is below 0 at its end;
   /// narrowed_root narrows it. All other segments are halved.
   template <class B>
-  [[nodiscard]] Segments march_by_segments(M live) {
+  [[nodiscard]] Segments march_by_segments(B& at, ProvenRoots<B, M>& roots, M live) {
     using E = Enclosure<B>;
     const B zero(0.0);
-    const R begin = t_, reach = line_.reach(), worth = R(StepRules::worth_balls) * line_.error();
-    B least = line_.enclosed(B(t_), live).lower;
+    const R begin(at), reach = line_.reach(), worth = R(StepRules::worth_balls) * line_.error();
+    // A segment is as short as it can be at the last digits of t in double, or of points in double-double.
+    const double digits = std::same_as<B, R> ? 0x1p-53 : 0;
+    B least = line_.enclosed(at, live).lower;
     const M is_known = live && R(0.0) < known_;
     least = select(is_known && least < B(known_), B(known_), least);
     Segments after{.are_worth_balls = false, .fail = live && !(zero < least)};
     live = live && !after.fail;
-    R h = select(is_known, R(0.5) * t_,
-                 rounding::max(R(0x1p-50) * rounding::abs(t_), R(2.0) * static_cast<R>(least) * reach));
+    R h = select(is_known, R(0.5) * begin,
+                 rounding::max(R(0x1p-50) * rounding::abs(begin), R(2.0) * static_cast<R>(least) * reach));
     M has_crossed = false;
-    R crossed = t_;
+    B crossed = at;
     for (int i = 0; i < StepRules::most_segments && any(live); ++i) {
-      const R t = rounding::min(t_ + h, end_);
-      const M is_stuck = live && !(t > t_);
+      const B t = rounding::min(stepped(at, h), B(end_));
+      const M is_stuck = live && !(at < t);
       after.fail = after.fail || is_stuck, live = live && !is_stuck;
       if (!any(live)) break;
-      const Slope<E> over = line_.slope(B(t_), B(t), live);
-      const E right = line_.enclosed(B(t), live);
-      const SegmentProof<B> proof(over, least, right.lower, E::at(B(t)) - E::at(B(t_)));
+      const Slope<E> over = line_.slope(at, t, live);
+      const E right = line_.enclosed(t, live);
+      const SegmentProof<B> proof(over, least, right.lower, E::at(t) - E::at(at));
       const M is_empty = live && proof.is_empty;
       const M crosses = live && !is_empty && over.slope.upper <= zero && right.upper < zero;
       const M is_halved = live && !is_empty && !crosses;
       crossed = select(crosses, t, crossed), has_crossed = has_crossed || crosses;
       least = select(is_empty, proof.at_end, least);
       known_ = select(is_empty, R(0.0), known_);
-      line_.proven(MarchProof::segment, is_empty, t_, t);
-      const M goes_on = advance(is_empty, t);
+      line_.proven(MarchProof::segment, is_empty, at, t);
+      const M goes_on = advance(at, is_empty, t);
       h = select(is_halved, R(0.5) * h, R(2.0) * h);
       const R proven = static_cast<R>(least);
       const M are_worth = goes_on && proven > worth && proven * reach > R(0.5) * h;
       after.are_worth_balls = after.are_worth_balls || are_worth;
-      const M is_tiny = is_halved && h < R(0x1p-53) * rounding::abs(t_) + line_.resolution();
+      const M is_tiny = is_halved && h < R(digits) * rounding::abs(R(at)) + line_.resolution();
       after.fail = after.fail || is_tiny;
       live = (goes_on && !are_worth) || (is_halved && !is_tiny);
     }
     if (any(has_crossed)) {
-      const M met = meet(narrowed_root<B>(line_, has_crossed, t_, crossed));
+      const M met = meet(narrowed_root(line_, has_crossed, at, crossed), roots);
       after.fail = after.fail || (has_crossed && !met);
     }
-    const M comes_farther = t_ - begin > R(StepRules::least_progress) * line_.extent() ||
-                            (begin >= R(0.0) && t_ > R(2.0) * begin);
+    const R t(at);
+    const M comes_farther =
+        t - begin > R(StepRules::least_progress) * line_.extent() || (begin >= R(0.0) && t > R(2.0) * begin);
     const M creeps = live && !comes_farther;
     after.fail = after.fail || creeps;
     after.are_worth_balls = after.are_worth_balls || (live && !creeps);
@@ -251,9 +289,11 @@ class March {
   static bool any(M so) { return rounding::any(so); }
 
   Line& line_;
+  Begin begin_;
   R t_, known_, before_, end_;
   double stop_;
   ProvenRoots<R, M> roots_;
+  DoubleDouble behind_;
 };
 
 }  // namespace detail

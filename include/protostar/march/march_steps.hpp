@@ -4,6 +4,7 @@
 
 #include <cstdint>
 
+#include "../numeric/double_double.hpp"
 #include "../platform.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -38,11 +39,11 @@ struct NoTrace {
 
 struct MarchSetup;
 
-/// Trace that is called through virtual functions, so that one can be given to a march of any field. Its
-/// evaluated() takes the result of the evaluation as well: an enclosure of the value, or for a plain value in
-/// double that value as both ends, with the error that the surface's set-up bounds; and an enclosure of the
-/// slope by t, or 0 where no slope was evaluated. Results have the sign that makes F > 0 where the march
-/// comes from.
+/// Trace that is called through virtual functions, so that one can be given to a march of any field. It takes
+/// parameters t with all of their digits; others take the nearest doubles. Its evaluated() takes the result
+/// of the evaluation as well: an enclosure of the value, or for a plain value in double that value as both
+/// ends, with the error that the surface's set-up bounds; and an enclosure of the slope by t, or 0 where no
+/// slope was evaluated. Results have the sign that makes F > 0 where the march comes from.
 class MarchListener {
  public:
   /// Enclosures by their ends, which are rounded to double if they are in double-double.
@@ -50,8 +51,9 @@ class MarchListener {
     double lower = 0, upper = 0, slope_lower = 0, slope_upper = 0;
   };
 
-  virtual void evaluated(Evaluation kind, double a, double b, const Result& result) = 0;
-  virtual void proven(MarchProof proof, double a, double b) = 0;
+  virtual void evaluated(Evaluation kind, const DoubleDouble& a, const DoubleDouble& b,
+                         const Result& result) = 0;
+  virtual void proven(MarchProof proof, const DoubleDouble& a, const DoubleDouble& b) = 0;
 
  protected:
   ~MarchListener() = default;

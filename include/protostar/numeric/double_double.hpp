@@ -9,6 +9,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "../interval.hpp"
 #include "../platform.hpp"
 #include "../simd/opaque.hpp"
 
@@ -98,5 +99,13 @@ using DoubleDouble = DoubleDoubleOf<double>;
   return fast_two_sum(s, (a - two_product(s, s)).hi / (2 * s));
 }
 [[nodiscard]] inline DoubleDouble abs(DoubleDouble a) { return a.hi < 0 ? -a : a; }
+
+/// Returns the largest double that is at most a.
+[[nodiscard]] inline double double_below(DoubleDouble a) {
+  return a.lo < 0 ? std::nextafter(a.hi, -infinity) : a.hi;
+}
+
+/// Returns the smallest double that is at least a.
+[[nodiscard]] inline double double_above(DoubleDouble a) { return -double_below(-a); }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -37,10 +37,9 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 /// A DistanceField is a generic function of a point, as [](const auto& p) { return length(p) - 1.0; }. From
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
 /// enclosed to 2^-30 of itself, nothing lies before it, and a miss is a miss. Where a ray comes nearer to the
-/// surface than double-double tells, about 2^-95, it hits, and fallbacks.undecided counts it. Past an edge,
-/// where several terms of the field have a kink, that may be as much as some 2^-53 of t. A ray that leaves at
-/// a grazing angle may cross the surface again so near that t is enclosed only to 2^-30 of the size of the
-/// bounds; its order among crossings of other surfaces as near is not proven.
+/// surface than double-double tells, about 2^-95, it hits, and fallbacks.undecided counts it. A ray that
+/// leaves at a grazing angle may cross the surface again so near that t is enclosed only to 2^-30 of the size
+/// of the bounds; its order among crossings of other surfaces as near is not proven.
 ///
 /// A field has to be continuous: one made with wrap jumps at the borders of its cells unless it looks at the
 /// neighbors too, and proofs of a field that jumps do not hold. Most jumps are found and refused, but a small
@@ -130,7 +129,7 @@ class Marched<F> {
         const Ray ray = rays.ray(lane);
         FieldLine line(field_, setup_, ray, trace);
         detail::March one(line, march.t()[lane], range.max);
-        const MarchedRoot root = one.precise_root(march.before()[lane]);
+        const MarchedRoot root = one.precise_root(march.t()[lane], march.before()[lane]);
         if (root.answer == MarchedRoot::Answer::miss) return std::nullopt;
         const Crossing crossing{root.t(), 0};
         return lies_inside(*this, ray, crossing, range) ? crossing : first_crossing(ray, range);
