@@ -147,7 +147,7 @@ class March {
     const R error = line_.error(), reach = line_.reach(), extent = line_.extent(), bend = line_.bend();
     const bool bends = line_.is_bend_known();
     const R near = R(Rules::least_ball) * error * reach;
-    R v = line_.value(t_, live), radius = (v - error) * reach, stretch(1.0), trend(-1.0), next_try(infinity);
+    R v = line_.value(t_, live), radius = (v - error) * reach, growth(0.0), next_try(infinity);
     R free = radius;  // distance behind t_ within which F > 0
     R failed(0.0), slow(0.0);
     M to_segments = live && !(radius > near);
@@ -159,7 +159,7 @@ class March {
       while (any(live)) {
         // There are branches where lanes mostly agree, so that one line alone does not wait for selections.
         const R ball = t_ + free;
-        R t = rounding::min(t_ + rounding::max(radius * stretch, free), end_);
+        R t = rounding::min(t_ + rounding::max(radius * Rules::stretch(growth), free), end_);
         if (any(is_turned_back)) [[unlikely]]
           t = select(is_turned_back, ball, t);
         const M misses = live && !is_turned_back && t == end_ && ball >= end_;
@@ -182,9 +182,8 @@ class March {
         const FieldValue<R> before{t_, v};
         M goes_on = false, tries = false;
         if (any(moves)) [[likely]] {
-          const R gain = next_radius - radius, way = t - t_, last = trend;
-          stretch = select(moves, Rules::stretch(gain, way), stretch);  // first: the next t waits for it
-          trend = select(moves, Rules::trend(gain, way), trend);
+          const R gain = next_radius - radius, way = t - t_, last = growth;
+          growth = select(moves, Rules::growth(gain, way), growth);  // first: the next t waits for it
           v = select(moves, next_v, v), radius = select(moves, next_radius, radius);
           line_.proven(MarchProof::ball, by_ball, t_, t);
           line_.proven(MarchProof::two_balls, by_two, t_, t);
@@ -198,9 +197,9 @@ class March {
           const M is_too_slow = is_slow && slow > R(Rules::most_slow);
           leaves = leaves || is_too_slow, goes_on = goes_on && !is_too_slow;
           const M is_near = bends
-                                ? Rules::is_steep(trend, radius, reach, bend)
-                                : Rules::is_straight(trend, last) || radius < R(Rules::secant_ball) * extent;
-          tries = goes_on && trend < R(0.0) && is_near && radius < next_try && radius < extent;
+                                ? Rules::is_steep(growth, radius, reach, bend)
+                                : Rules::is_straight(growth, last) || radius < R(Rules::secant_ball) * extent;
+          tries = goes_on && growth < R(1.0) && is_near && radius < next_try && radius < extent;
         }
         if (any(tries || crosses)) [[unlikely]] {
           first = {select(tries || crosses, before.t, first.t), select(tries || crosses, before.v, first.v)};

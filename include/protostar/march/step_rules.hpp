@@ -39,16 +39,21 @@ struct StepRules {
   static constexpr int most_segments = 3000;
   static constexpr double least_progress = 0x1p-8;
 
-  /// Returns the next step as a multiple of the radius, after one of length `way` by which the radius has
-  /// changed by `gain`. If it goes on to change as much, with the trend m = gain/way, the next ball touches
-  /// this one after a step of 1 + (1 + m)/(1 − m) radii: 1 where the way goes straight to a plane, m = −1,
-  /// and 2 beside one. The step takes 0.9 of the quotient, and m is cut to −0.999 … 0.9. One division gives
-  /// (1 + m)/(1 − m).
+  /// Returns the growth of balls, after a step of length `way` by which the radius has changed by `gain`: the
+  /// quotient g of the radii of two balls that touch, if the radius goes on to change as much. With the trend
+  /// m = gain/way, the next ball has the radius r' = r + m (r + r'), so that g = (1 + m)/(1 − m): 0 where the
+  /// way goes straight to a plane, m = −1, and 1 beside one. It is cut to 2^-11 … 19, for m from −0.999 to
+  /// 0.9; NaN becomes 2^-11.
   template <class R>
-  [[nodiscard]] static R stretch(const R& gain, const R& way) {
-    // For m from −0.999, about 2^-11, to 0.9: 1.9/0.1. Any other quotient, also NaN, is cut to these.
-    const R ratio = (way + gain) / (way - gain);
-    return R(1.0) + R(0.9) * rounding::min(rounding::max(R(0x1p-11), ratio), R(19.0));
+  [[nodiscard]] static R growth(const R& gain, const R& way) {
+    return rounding::min(rounding::max(R(0x1p-11), (way + gain) / (way - gain)), R(19.0));
+  }
+
+  /// Returns the next step as a multiple of the radius: the next ball touches this one after 1 + g radii, for
+  /// the growth g, of which the step takes 0.9.
+  template <class R>
+  [[nodiscard]] static R stretch(const R& growth) {
+    return R(1.0) + R(0.9) * growth;
   }
 
   /// Returns a distance in t behind the second of two values within which F > 0 is proven, for the plain
@@ -75,25 +80,20 @@ struct StepRules {
   }
 
   /// Returns true if F falls so steeply that a proof of its fall up to the root is in sight (falls_over): the
-  /// slope, trend/reach, is at least 3/2 of what the bend takes from it over the way to the root, which is
-  /// radius/−trend.
+  /// slope, m/reach with m = (g − 1)/(g + 1) for the growth g, is at least 3/2 of what the bend takes from it
+  /// over the way to the root, which is radius/−m.
   template <class R>
-  [[nodiscard]] static auto is_steep(const R& trend, const R& radius, const R& reach, const R& bend) {
-    return R(1.5) * bend * reach * radius <= trend * trend;
+  [[nodiscard]] static auto is_steep(const R& growth, const R& radius, const R& reach, const R& bend) {
+    const R less = growth - R(1.0), more = growth + R(1.0);
+    return R(1.5) * bend * reach * radius * (more * more) <= less * less;
   }
 
-  /// Returns the trend m = gain/way of the radius, cut to −0.999 … 0.9, which is compared with that of the
-  /// last step (is_straight).
+  /// Tests whether balls shrink about as fast as at the last step, by the growth of both, g and h, so that F
+  /// is nearly straight: their trends, which differ by 2 (g − h) / ((g + 1) (h + 1)), differ by less than a
+  /// quarter of (1 − g)/(1 + g).
   template <class R>
-  [[nodiscard]] static R trend(const R& gain, const R& way) {
-    return rounding::min(rounding::max(R(-0.999), gain / way), R(0.9));
-  }
-
-  /// Tests whether balls shrink about as fast as at the last step, by trends of both, so that F is nearly
-  /// straight.
-  template <class R>
-  [[nodiscard]] static auto is_straight(const R& trend, const R& last) {
-    return trend < R(-0.02) && rounding::abs(trend - last) < R(-0.25) * trend;
+  [[nodiscard]] static auto is_straight(const R& growth, const R& last) {
+    return growth < R(0.96) && rounding::abs(growth - last) < R(0.125) * (R(1.0) - growth) * (R(1.0) + last);
   }
 };
 
