@@ -78,6 +78,8 @@ const std::set<std::string> on_demand = {
     "surfaces/moving.hpp",
     "surfaces/distance_field.hpp",
     "surfaces/field_jumps.hpp",
+    "surfaces/marched.hpp",
+    "surfaces/plain_field.hpp",
     "march/enclosed_line.hpp",
     "march/field_bounds.hpp",
     "march/field_line.hpp",
