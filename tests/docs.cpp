@@ -14,6 +14,7 @@
 
 #include "support/catch.hpp"
 #include "support/files.hpp"
+#include "support/process.hpp"
 
 namespace {
 
@@ -470,4 +471,27 @@ TEST_CASE("docs/errata.md: the tutorial's rounding differs in 24 of the 100 colu
     if (encode(light) != static_cast<int>(std::clamp(light * 256, 0.0f, 255.0f))) ++differing;
   }
   CHECK(differing == 24);
+}
+
+TEST_CASE("docs/web/make_pages takes one folder, and no option for its name") {
+  const TemporaryFolder folder;
+  const auto make_pages = [&](const std::vector<std::string>& words) {
+    return run({.program = repository / "docs/web/make_pages", .arguments = words, .folder = folder / ""});
+  };
+  const Outcome help = make_pages({"--help"});
+  if (help.status == 127) return;  // there is no Python
+  CHECK(help.status == 0);
+  CHECK_THAT(help.out, ContainsSubstring("docs/web/make_pages SITE"));
+  CHECK(help.err.empty());
+  CHECK(make_pages({"-h"}).out == help.out);
+  for (const auto& words : {std::vector<std::string>{}, {"a", "b"}, {"--bogus"}, {"--help", "a"}}) {
+    CAPTURE(words);
+    const Outcome outcome = make_pages(words);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out.empty());
+    CHECK_THAT(outcome.err, ContainsSubstring("usage: docs/web/make_pages SITE"));
+    for (const std::string& word : words)
+      if (word.starts_with("-")) CHECK_THAT(outcome.err, ContainsSubstring("there is no option " + word));
+  }
+  CHECK(folder.count() == 0);
 }
