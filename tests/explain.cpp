@@ -89,6 +89,22 @@ void compare(const PlainPicture& picture, const auto& explain) {
   CHECK(wrong == 0);
 }
 
+/// Returns a text with another digit in the number that follows a key, in which "..." stands for any text.
+std::string with_another_digit(std::string text, const std::string& key) {
+  std::size_t at = 0;
+  for (std::size_t begin = 0; begin <= key.size();) {
+    const std::size_t end = std::min(key.find("...", begin), key.size());
+    const std::string part = key.substr(begin, end - begin);
+    at = text.find(part, at);
+    REQUIRE(at != std::string::npos);
+    at += part.size();
+    begin = end + 3;
+  }
+  char& digit = text[text.find_first_of("123456789", at)];
+  digit = digit == '5' ? '6' : '5';
+  return text;
+}
+
 }  // namespace
 
 TEST_CASE("the option --pixel tells for every stage why a pixel has the codes that it has in the picture") {
@@ -358,19 +374,7 @@ TEST_CASE(
     for (std::size_t i = 0; i < keys.size(); ++i) {
       const std::string& key = keys[i];
       CAPTURE(key);
-      std::string changed = text;
-      std::size_t at = 0;
-      for (std::size_t begin = 0; begin <= key.size();) {
-        const std::size_t end = std::min(key.find("...", begin), key.size());
-        const std::string part = key.substr(begin, end - begin);
-        at = changed.find(part, at);
-        REQUIRE(at != std::string::npos);
-        at += part.size();
-        begin = end + 3;
-      }
-      char& digit = changed[changed.find_first_of("123456789", at)];
-      digit = digit == '5' ? '6' : '5';
-      const Outcome wrong = check(changed);
+      const Outcome wrong = check(with_another_digit(text, key));
       CHECK(wrong.status == 1);
       CHECK(wrong.err.starts_with("b.json:"));
       if (!messages.empty()) CHECK_THAT(wrong.err, ContainsSubstring(messages[i]));
@@ -393,6 +397,42 @@ TEST_CASE("the checker refuses a glossy color without what blurs it, as a black 
   CHECK(wrong.status == 1);
   CHECK_THAT(wrong.err, ContainsSubstring("/material/glossy must be black"));
 }
+
+#if __has_include(<nlohmann/json.hpp>)
+TEST_CASE("the checker proves marches of fields with edges, from near and from far away") {
+  const TemporaryFolder folder;
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
+    return;  // there is no Python
+  struct Row {
+    std::string field, z, angle, pixel;
+    std::string key, message;  // of a number that is refused with another digit
+  };
+  const std::string box = R"({"type": "box", "size": [2, 2, 2]})";
+  const auto row = GENERATE_COPY(
+      Row{box, "-5", "30", "16,16", "\"sign change\"...\"min\": ", "/value_at_min"},
+      Row{box, "-35184372088832", "5e-12", "16,16", "\"sign change\"...\"min\": ", "/value_at_min"});
+  CAPTURE(row.field, row.z);
+  put_bytes(folder / "scene.json",
+            R"({"settings": {"resolution-x": 32, "resolution-y": 32}, "camera": {)"
+            R"("projection": "perspective", "position": [0, 0, )" +
+                row.z + R"(], "direction": [0, 0, 1], "upward": [0, 1, 0], "field-of-view": )" + row.angle +
+                R"(}, "objects": [{"surface": {"type": "field", "field": )" + row.field +
+                R"(}, "material-id": "a"}], "materials": {"a": {"diffuse": [1, 1, 1], "reflect": 0.5}}})");
+  REQUIRE(
+      run_stage("render", "scene.json --pixel " + row.pixel + " --explain a.json --quiet", folder).status ==
+      0);
+  const std::string text = bytes_of(folder / "a.json");
+  const auto check = [&](const std::string& file) {
+    put_bytes(folder / "b.json", file);
+    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+  };
+  const Outcome right = check(text), wrong = check(with_another_digit(text, row.key));
+  CHECK(right.err.empty());
+  CHECK(right.status == 0);
+  CHECK(wrong.status == 1);
+  CHECK_THAT(wrong.err, ContainsSubstring(row.message));
+}
+#endif
 
 #if __has_include(<tiny_obj_loader.h>)
 TEST_CASE("an explanation has all triangles of a mesh, and the checker finds those that a ray crosses") {

@@ -147,9 +147,11 @@ class Operations:
             total = ZERO
             for v, s in of:
                 total = added(total, multiplied(v, s[k]))
-            # It changes no faster than the vector, whose length that is.
+            # It changes no faster than the vector, whose length that is. It falls nowhere if v · v' is nowhere below 0, and
+            # rises nowhere if that is nowhere above 0, also where the length is 0: it is 0 there alone, or all around.
             most = root_of((0, sum(-(-size_of(s[k])[1]**2 >> DIGITS) for _, s in of)))[1]
-            slopes.append(common(divided(total, value), (-most, most)))
+            limits = 0 if total[0] >= 0 else -most, 0 if total[1] <= 0 else most
+            slopes.append(common(divided(total, value), limits))
         return value, slopes
 
     @staticmethod
