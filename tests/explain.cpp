@@ -408,9 +408,18 @@ TEST_CASE("the checker proves marches of fields with edges, from near and from f
     std::string key, message;  // of a number that is refused with another digit
   };
   const std::string box = R"({"type": "box", "size": [2, 2, 2]})";
+  const std::string far_box = R"({"type": "translate", "by": [0, 0, 35184372088832], "field": )"
+                              R"({"type": "rotate", "axis": [1, 0, 0], "angle": 30, "field": )" +
+                              box + "}}";
+  const std::string rounded = R"({"type": "rounded-box", "size": [2, 2, 1.5], "radius": 0.25})";
   const auto row = GENERATE_COPY(
       Row{box, "-5", "30", "16,16", "\"sign change\"...\"min\": ", "/value_at_min"},
-      Row{box, "-35184372088832", "5e-12", "16,16", "\"sign change\"...\"min\": ", "/value_at_min"});
+      Row{box, "-35184372088832", "5e-12", "16,16", "\"sign change\"...\"min\": ", "/value_at_min"},
+      // Points of a mirrored ray tell no values in double, and slopes prove that it leads away.
+      Row{far_box, "0", "7e-12", "10,12", "-infinity...\"from\": ", "/from is"},
+      // What is known of the field behind the origin of a mirrored ray counts to its last digits.
+      Row{rounded, "-1152921504606846976", "2.2e-16", "22,15", "\"deflation\"...\"slopes\": [..., ",
+          "must prove"});
   CAPTURE(row.field, row.z);
   put_bytes(folder / "scene.json",
             R"({"settings": {"resolution-x": 32, "resolution-y": 32}, "camera": {)"

@@ -113,7 +113,9 @@ class Marched:
                 a, b = step["slopes"].vector(2)
                 if a < 0 < b:
                     raise Wrong(step["slopes"].at("must be of one sign"))
-                known = (a if a >= 0 else -b) * width * (1 - Fraction(1, 2**49))
+                # A slope of double-double is rounded in the file, by 2^-53 of itself. What the library takes is less by
+                # 2^-50, and as much as that may count in the segments that follow.
+                known = (a if a >= 0 else -b) * width * (1 - Fraction(1, 2**52))
             elif kind == "sign change":
                 least, most = step["min"].parameter(), to
                 if not start <= least <= most:
@@ -170,7 +172,7 @@ class Marched:
     def check_segment(self, step, width, known, error, is_double):
         """Checks that the field is above 0 all over a segment, and returns a lower bound at its end. Numbers of
         double-double are rounded in the file: there the signs are checked alone."""
-        values, (lo, hi) = step["values"].vector(2), step["slopes"].vector(2)
+        least, (lo, hi) = step["values"][0], step["slopes"].vector(2)
 
         def least_of(value):
             if isinstance(value.data, list):
@@ -181,7 +183,9 @@ class Marched:
         left = known if left is None else left if known is None else max(left, known)
         if left is None or right is None:
             raise Unreadable(step.at("must have values at both ends"))
-        bounds = [values[0], left + min(lo, 0) * width, right - max(hi, 0) * width]
+        bounds = [left + min(lo, 0) * width, right - max(hi, 0) * width]
+        if least.data != "-infinity":  # from far away points in double tell no values, and slopes alone prove a segment
+            bounds.append(least.number())
         if lo < 0 < hi and left > 0 and right > 0:
             bounds.append((hi * left - lo * right + lo * hi * width) / (hi - lo))
         if is_double and max(bounds) <= 0:
