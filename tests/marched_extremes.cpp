@@ -4,6 +4,7 @@
 #include <protostar/fields/operations.hpp>
 #include <protostar/fields/planar.hpp>
 #include <protostar/fields/shapes.hpp>
+#include <protostar/scene_fields.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/distance_field.hpp>
 #include <protostar/surfaces/instance.hpp>
@@ -342,6 +343,20 @@ TEST_CASE("a continuous field whose Lipschitz constant is below the range of dou
   // −(k − 2^-539 |x|)²/4k, less 2^-540 |x|, has the second derivative −2^-1078/2k.
   const auto joined = [](const auto& p) { return smooth_min(p.x * 0x1p-540, p.x * -0x1p-540, 0x1p-400); };
   CHECK(lipschitz_bound(joined, cube_bounds(1), 1).curvature.lower <= -0x1p-679);
+}
+
+TEST_CASE("a march that begins on the surface tells its trace of a touch") {
+  const auto plane = [](const auto& p) {
+    return p.x + (1 + 0x1p-9);
+  };  // at the end of the box that is marched
+  const Marched surface{plane, cube_bounds(1)};
+  CountedMarch march;
+  const MarchedRoot root = surface.march({.origin = {-3, 0, 0}, .direction = {1, 0, 0}}, Interval{}, march);
+  CHECK(root.answer == MarchedRoot::Answer::undecided);
+  CHECK(root.min == 2 - 0x1p-9);
+  CHECK(march.is_hit());
+  CHECK(march.enclosure().min == root.min);
+  CHECK(march.enclosure().max == root.max);
 }
 
 TEST_CASE("bounds that are too far apart are refused with the difference that is allowed") {

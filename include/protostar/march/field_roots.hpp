@@ -86,6 +86,7 @@ void each_root(Line& line, double begin, double stop, bool leaves, const auto& v
     if (begin == 0) {
       at = deflated_start(line);
     } else {
+      line.proven(MarchProof::touch, true, begin, begin);
       if (visit(MarchedRoot{MarchedRoot::Answer::undecided, begin, begin})) return;
       at = {decided_behind(line, begin)};
     }
