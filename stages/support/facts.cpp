@@ -167,8 +167,10 @@ class MarchSteps final : public MarchListener {
  public:
   void evaluated(Evaluation kind, const DoubleDouble& a, const DoubleDouble& b,
                  const Result& result) override {
-    if (kind == Evaluation::value || kind == Evaluation::precise_value)
-      values_[a] = result, last_ = a;
+    if (kind == Evaluation::value)
+      values_[a] = {result.lower}, last_ = a;
+    else if (kind == Evaluation::precise_value)
+      values_[a] = {result.lower, result.upper}, last_ = a;
     else
       slope_ = {a, b, kind == Evaluation::precise_slope, result}, fall_.reset();
   }
@@ -229,17 +231,15 @@ class MarchSteps final : public MarchListener {
     from_ = from;
   }
 
-  /// Returns the value at t, or its enclosure if it was evaluated in double-double; nothing if it was not
-  /// evaluated there.
+  /// Returns the value at t, or both ends of its enclosure if it was evaluated in double-double, which may be
+  /// equal as they are rounded; nothing if it was not evaluated there.
   [[nodiscard]] std::vector<double> value_at(const DoubleDouble& t) const {
     const auto found = values_.find(t);
-    if (found == values_.end()) return {};
-    const Result& value = found->second;
-    return value.lower == value.upper ? std::vector{value.lower} : std::vector{value.lower, value.upper};
+    return found == values_.end() ? std::vector<double>{} : found->second;
   }
 
   Facts facts_{"march"};
-  std::map<DoubleDouble, Result> values_;
+  std::map<DoubleDouble, std::vector<double>> values_;
   DoubleDouble from_, last_;  ///< where the last step begins, and the place of the last value
   struct Fall {
     DoubleDouble a, behind;
