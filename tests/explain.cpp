@@ -423,6 +423,11 @@ TEST_CASE("the checker proves marches of fields with edges, from near and from f
           R"("position": [-123534654146333, -7266744361549, 1119078631678546], )"
           R"("direction": [17, 1, -154], "upward": [0, 154, 1])",
           "1.12e-13", "20,12", "\"sign change\"...\"min\": ", "/value_at_min"},
+      // The point of the hit is rounded, by so much that the field does not change around it.
+      Row{R"({"type": "metaballs", "sharpness": 2, "balls": [{"position": [0, 0, 0], "radius": 1}]})",
+          R"("position": [-1031204342808898700, 0, -515602171404449340], )"
+          R"("direction": [2, 0, 1], "upward": [0, 1, 0])",
+          "1.1e-16", "16,16", "\"hit\"...\"normal\": [", "/normal/2 is"},
       // Points of a mirrored ray tell no values in double, and slopes prove that it leads away.
       Row{far_box, along_z("0"), "7e-12", "10,12", "-infinity...\"from\": ", "/from is"},
       // What is known of the field behind the origin of a mirrored ray counts to its last digits.

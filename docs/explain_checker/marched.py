@@ -27,11 +27,14 @@ class Marched:
 
     def normal_error(self, point, part):
         """Returns the error of the normal: that of a gradient which is known for points as near as roundings of the
-        library move them. Where it jumps, at an edge, any normal between those of both sides is right."""
+        library move them. Where it jumps, at an edge, any normal between those of both sides is right; where it is 0 all
+        around, one is."""
         gradient = self.gradient(point)
         middle = length([fraction(low + high) / 2 for low, high in gradient])
         width = length([fraction(high - low) for low, high in gradient])
-        return Fraction(2) if width > middle / 4 else 2 * width / middle + Fraction(1, 2**40)
+        if width > middle / 4:
+            return Fraction(2)
+        return (2 * width / middle if width else 0) + Fraction(1, 2**40)
 
     def gradient(self, point):
         return self.field.gradient(point, (1 + max(sizes(point))) / 2**46)
