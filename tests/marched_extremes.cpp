@@ -359,6 +359,21 @@ TEST_CASE("a march that begins on the surface tells its trace of a touch") {
   CHECK(march.enclosure().max == root.max);
 }
 
+TEST_CASE("a field that is 0 everywhere is at no distance, and another constant one at an infinite one") {
+  const auto marched = [](double value) {
+    return Marched{[=](const auto& p) { return std::decay_t<decltype(p.x)>(value); }, cube_bounds(1)};
+  };
+  CHECK(marched(0).march_setup()->bound.lipschitz == 0);
+  CHECK(marched(0).distance_bound({0.5, -0.25, 0}) == 0);
+  CHECK(marched(0).distance_bound({-0.5, 0.25, 0}) == 0);
+  CHECK(marched(0).distance_bound({3, 0, 0}) == 2 - 0x1p-9);  // from the bounds, with their margin
+  for (const double x : {0.0, 0.5, 3.0}) CHECK(marched(0.25).distance_bound({x, 0, 0}) == infinity);
+  CHECK(marched(-0.25).distance_bound({0.5, 0, 0}) == -infinity);
+  // A plain field has a constant above 0.
+  const Marched plain{[](const Point&) { return 0.0; }, cube_bounds(1), 1.0};
+  CHECK(plain.distance_bound({0.5, 0, 0}) == 0);
+}
+
 TEST_CASE("bounds that are too far apart are refused with the difference that is allowed") {
   CHECK(
       message_of<std::invalid_argument>([] { Marched surface(sphere_field, cube_bounds(0x1p400)); }) ==

@@ -39,11 +39,11 @@ namespace detail {
 /// Only the part of the surface inside a box counts. A point p outside of the box has a nearest point q in
 /// it, and for each s in the box |p − s|² ≥ |p − q|² + |q − s|², since the angle at q is 90° or more. Hence
 /// the bound at q and the distance |p − q| are the legs of a right triangle, whose hypotenuse is the bound at
-/// p.
+/// p. A constant field, whose Λ may be 0, has a surface everywhere or nowhere: the bound is 0, or infinite.
 [[nodiscard]] double distance_bound(const Point& p, const Bounds& box, double lipschitz, const auto& value) {
   Point q = p;
   for (int k = 0; k < 3; ++k) q[k] = std::clamp(p[k], box.min[k], box.max[k]);
-  const double gap = length(p - q), bound = value(q) / lipschitz;
+  const double gap = length(p - q), f = value(q), bound = f == 0 ? 0 : f / lipschitz;
   return gap == 0 ? bound : std::sqrt(gap * gap + std::max(bound, 0.0) * std::max(bound, 0.0));
 }
 
