@@ -463,6 +463,27 @@ TEST_CASE("irradiance does not depend on the unit of length") {
   }
 }
 
+TEST_CASE("a sphere at any distance brings π (R/d)² cos θ, or 0 where that is below the range of double") {
+  const Vec3 n{0.6, 0, 0.8}, sideways{0.8, 0, -0.6};
+  for (int exponent = 1; exponent <= 2000; ++exponent) {
+    CAPTURE(exponent);
+    // From the distance 2^exponent radii; both are within 2^±1000.
+    const double radius = std::ldexp(1, -exponent / 2), d = std::ldexp(1, exponent - exponent / 2);
+    const double facing = std::ldexp(std::numbers::pi, -2 * exponent);
+    const auto from = [&](const Vec3& direction) {
+      return sphere_irradiance({0, 0, 0}, n, d * direction, radius);
+    };
+    // Below the normal numbers, sin² σ is rounded to a multiple of 2^-1074.
+    const double error = 16 * 0x1p-53 * facing + 4 * 0x1p-1074;
+    CHECK(std::abs(from(n) - facing) <= error);
+    CHECK(std::abs(from({0, 0, 1}) - 0.8 * facing) <= error);
+    // The half above the horizon brings less than sin σ times as much as one facing it.
+    CHECK(from(sideways) >= 0);
+    CHECK(from(sideways) <= std::ldexp(facing, -exponent) + error);
+    CHECK(from(-n) == 0);
+  }
+}
+
 // These values would differ between machines if functions of the C library took part.
 TEST_CASE("irradiance has the same bits on every machine") {
   const Point point{0.1, 0.2, 0.3}, p{1, 2, 3}, q{2, 2, 1};

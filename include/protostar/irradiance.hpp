@@ -39,6 +39,9 @@ namespace protostar::inline PROTOSTAR_ABI {
   const double height = dot(to, PreciseVector(normal)).hi;
   if (gap.hi < 0) return std::numbers::pi;
   const double sin2 = R / d2.hi * R, sine = std::sqrt(sin2);
+  // A sphere so small is cut by the horizon only where E is below π 2^-1020. Farther away sin³ σ would be
+  // below the range of double, and k above it.
+  if (sine < 0x1p-340) return std::numbers::pi * sin2 * std::max(height / std::sqrt(d2.hi), 0.0);
   const double k = height / R;
   if (k <= -1) return 0;
   if (k >= 1) return std::numbers::pi * sin2 * sine * k;
