@@ -30,6 +30,21 @@ struct PreciseVector {
   return {two_sum(p.x, -q.x), two_sum(p.y, -q.y), two_sum(p.z, -q.z)};
 }
 
+/// Vector times 2^exponent, where the vector is of moderate size, or 0.
+struct ModerateVector {
+  PreciseVector vector;
+  int exponent = 0;
+
+  ModerateVector() = default;
+  explicit ModerateVector(const PreciseVector& v) : vector(v) {
+    const Vec3 hi{v.x.hi, v.y.hi, v.z.hi};
+    exponent = immoderate_exponent(hi);
+    if (exponent == 0) return;
+    const Vec3 high = scaled(hi, -exponent), low = scaled(Vec3{v.x.lo, v.y.lo, v.z.lo}, -exponent);
+    vector = {{high.x, low.x}, {high.y, low.y}, {high.z, low.z}};
+  }
+};
+
 [[nodiscard]] inline PreciseVector operator+(const PreciseVector& a, const PreciseVector& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }

@@ -36,6 +36,9 @@ namespace protostar::inline PROTOSTAR_ABI {
   return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
 
+/// Returns x · 2^exponent.
+[[nodiscard]] inline double scaled(double x, int exponent) { return scaled(Vec3{x, 0, 0}, exponent).x; }
+
 /// Tests whether products of a few such vectors, or of those in each lane, stay in the range of double.
 template <class V>
 [[nodiscard]] auto is_of_moderate_size(const V& v) {
@@ -44,9 +47,28 @@ template <class V>
   return 0x1p-100 < size && size < 0x1p100;
 }
 
+/// Returns the exponent of a vector (exponent_of), or 0 if it is of moderate size and need not be scaled.
+[[nodiscard]] inline int immoderate_exponent(const Vec3& v) {
+  return is_of_moderate_size(v) ? 0 : exponent_of({v});
+}
+
 /// Returns v if it is of moderate size, and otherwise a vector of a length of about 1 in its direction.
 [[nodiscard]] inline Vec3 of_moderate_size(const Vec3& v) {
   return is_of_moderate_size(v) ? v : scaled(v, -exponent_of({v}));
 }
+
+/// Two numbers, as those of a vector in a plane, times a power of two with which their squares do not
+/// underflow. It is 2^600 if both are below 2^-400, which brings numbers from 2^-1074 on to 2^-474 or more,
+/// and otherwise 1.
+struct LiftedPair {
+  double lift, x, y, square, length;
+
+  LiftedPair(double first, double second)
+      : lift(std::max(std::abs(first), std::abs(second)) < 0x1p-400 ? 0x1p600 : 1),
+        x(first * lift),
+        y(second * lift),
+        square(x * x + y * y),
+        length(std::sqrt(square)) {}
+};
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -55,7 +55,7 @@ namespace detail {
 
 /// Directions from a point to a disk. The solid angle has a relative error below 2^-48 and directions are
 /// off by at most 2^-47, if the distances from the plane and from the rim are above 2^-45 of those from the
-/// center and of the radius.
+/// center and of the radius. A point from which the solid angle is below 2^-900 counts as in the plane.
 class DiskView {
  public:
   /// Prepares the view from a point. `any_normal` may have any length but 0; the radius is greater than 0.
@@ -69,27 +69,32 @@ class DiskView {
     const double h = std::abs(static_cast<double>(z)), near = static_cast<double>(rho - R),
                  far = static_cast<double>(rho + R);
     height_ = h, normal_ = (z.hi < 0 ? -1.0 : 1.0) * normalize(moderate);
-    const double l1l2 = std::sqrt((near * near + h * h) * (far * far + h * h)), s = near * far + h * h;
+    const LiftedPair l1(near, h);
+    const double l1l2 = std::sqrt(l1.square * (far * far + h * h)) / l1.lift, s = near * far + h * h;
     farthest_ = std::sqrt(far * far + h * h);
     if (!(h > 0 && l1l2 > 0)) return;
 
-    const double large = (l1l2 + std::abs(s)) / 2, small = R * h / large * (R * h);
+    // Beside the disk, h² and μ have the factor h². There H = 2^-k h of about √h takes its place, and
+    // quotients stay the same: the square of a small height would underflow, but not before the solid angle
+    // does.
+    const int k = s < 0 ? 0 : exponent_of({{h, 0, 0}}) / 2;
+    const double H = scaled(h, -k), large = (l1l2 + std::abs(s)) / 2, small = R * H / large * (R * H);
     const double lambda = s < 0 ? small : large, mu = s < 0 ? large : small;
-    const double whole = h * h + mu;
-    cos2_a_ = h * h / whole, sin_a_ = std::sqrt(mu / whole);
-    cos2_b_ = lambda / l1l2, sin_b_ = std::sqrt(mu / l1l2);
+    const double whole = H * H + mu;
+    cos2_a_ = H * H / whole, sin_a_ = std::sqrt(mu / whole);
+    cos2_b_ = lambda / l1l2, sin_b_ = scaled(std::sqrt(mu / l1l2), k);
 
     // The axis: in the plane of `to` and the normal, (ρ h) sideways for h² + μ along the normal.
     const Frame frame = frame_around(normal_);
-    const Vec3 crossed = across.rounded();
-    const double length_of_crossed = length(crossed);
-    x_ = length_of_crossed > 0 ? crossed / length_of_crossed : frame.x;  // across
+    // Closer to the disk's axis than 2^-75 h, `across` may be off by 2^-27, and any direction will do.
+    const Vec3 crossed = of_moderate_size(across.rounded());
+    x_ = rho.hi > 0x1p-75 * h ? crossed / length(crossed) : frame.x;  // across
     Vec3 outward = cross(x_, normal_);
     if (z.hi < 0) outward = -outward;
-    const double sideways = static_cast<double>(rho) * h,
-                 norm = std::sqrt(sideways * sideways + whole * whole);
-    axis_ = (whole / norm) * normal_ + (sideways / norm) * outward;
-    y_ = (whole / norm) * outward - (sideways / norm) * normal_;
+    const double sideways = static_cast<double>(rho) * H, upward = scaled(whole, k),
+                 norm = std::sqrt(sideways * sideways + upward * upward);
+    axis_ = (upward / norm) * normal_ + (sideways / norm) * outward;
+    y_ = (upward / norm) * outward - (sideways / norm) * normal_;
 
     constexpr double right_angle = std::numbers::pi / 2;
     // A singularity nearer than 2^-60 changes the integral by less than that.
@@ -101,7 +106,8 @@ class DiskView {
       ++panels_;
       if (end >= right_angle) break;
     }
-    solid_angle_ = 4 * sin_a_ * sin_b_ * sum_[panels_];
+    const double solid_angle = 4 * sin_a_ * sin_b_ * sum_[panels_];
+    if (solid_angle >= 0x1p-900) solid_angle_ = solid_angle;
   }
 
   /// Returns the solid angle in steradians; 0 for a point in the plane.

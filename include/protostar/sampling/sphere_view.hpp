@@ -27,7 +27,8 @@ class SphereView {
     gap_ = static_cast<double>(d2 - r2);
     distance_ = std::sqrt(d2.hi);
     is_outside_ = gap_ >= 0;
-    if (distance_ > 0) frame_ = frame_around(to_center.rounded() / distance_);
+    // The squares of a distance below 2^-450 of the radius lose digits; there any directions will do.
+    if (distance_ > 0x1p-450) frame_ = frame_around(to_center.rounded() / distance_);
     if (is_outside_) height_ = r2.hi / d2.hi / (1 + std::sqrt(gap_ / d2.hi));
   }
 

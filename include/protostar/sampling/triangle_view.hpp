@@ -34,20 +34,24 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// when the point is near an edge, a corner or the plane are those of cross products and of the triple
 /// product, and these are computed in double-double from exact differences. The solid angle has a relative
 /// error below 20u, if the distances from the lines through the edges, and from the plane, are above 2^-45 of
-/// those from the corners; directions are off by at most 40u.
+/// those from the corners; directions are off by at most 40u. Otherwise digits are lost, and a point on a
+/// line through an edge, up to rounding, counts as in the plane. So does one from which the solid angle is
+/// below 2^-899.
 class TriangleView {
  public:
   TriangleView(const Point& from, const Point& p, const Point& q, const Point& r) {
     exponent_ = exponent_of({p - from, q - from, r - from});
     const std::array<Point, 3> corners{p, q, r};
-    std::array<PreciseVector, 3> to;
+    std::array<ModerateVector, 3> to;
     std::array<Vec3, 3> unit;
+    std::array<int, 3> exponents{};
     for (std::size_t i = 0; i < 3; ++i) {
-      to[i] = scaled_difference(corners[i], from, -exponent_);
-      const Vec3 v = to[i].rounded();
+      const PreciseVector difference = scaled_difference(corners[i], from, -exponent_);
+      to[i] = ModerateVector(difference), exponents[i] = exponent_of({difference.rounded()});
+      const Vec3 v = to[i].vector.rounded();
       const double size = length(v);
       if (!(size > 0)) return;  // the point is a corner
-      farthest_ = std::max(farthest_, size);
+      farthest_ = std::max(farthest_, length(difference.rounded()));
       unit[i] = v / size;
     }
     std::size_t B = 0;
@@ -57,33 +61,55 @@ class TriangleView {
         most = cosine, B = i;
     const std::size_t A = (B + 1) % 3, C = (B + 2) % 3;
 
-    const PreciseVector BA = scaled_difference(corners[A], corners[B], -exponent_),
-                        BC = scaled_difference(corners[C], corners[B], -exponent_);
-    const PreciseVector area = cross(BC, BA);
-    const DoubleDouble volume = dot(to[B], area);  // six times that of the tetrahedron
-    const Vec3 across_c = cross(to[B], BA).rounded(), across_a = cross(to[B], BC).rounded();
-    const Vec3 to_a = to[A].rounded(), to_b = to[B].rounded(), to_c = to[C].rounded();
-    const double size_c = length(across_c), size_a = length(across_a);
+    // Each vector and each product is scaled by a power of two of its own, which the quotients contain again:
+    // edges may be of any sizes, and the point as close to a corner.
+    const ModerateVector BA(scaled_difference(corners[A], corners[B], -exponent_)),
+        BC(scaled_difference(corners[C], corners[B], -exponent_));
+    const ModerateVector area(cross(BC.vector, BA.vector));
+    // The products with the plane and the edges are those of the vectors to any of their corners. One that is
+    // much nearer than B leaves more of the digits.
+    const auto nearest = [&](std::size_t one, std::size_t other) {
+      return exponents[other] < exponents[one] - 48 ? other : one;
+    };
+    const ModerateVector &on_c = to[nearest(B, A)], &on_a = to[nearest(B, C)],
+                         &on_plane = to[nearest(nearest(B, A), C)];
+    const DoubleDouble volume = dot(on_plane.vector, area.vector);  // six times that of the tetrahedron
+    const ModerateVector across_c(cross(on_c.vector, BA.vector)), across_a(cross(on_a.vector, BC.vector));
+    const Vec3 to_a = to[A].vector.rounded(), to_b = to[B].vector.rounded(), to_c = to[C].vector.rounded();
+    const double size_c = length(across_c.vector.rounded()), size_a = length(across_a.vector.rounded());
     if (!(std::abs(volume.hi) > 0 && size_c > 0 && size_a > 0)) return;
-    const Vec3 across = across_c / size_c;
-    half_c_ = half_angle(size_c, dot(to_a, to_b));
-    half_a_ = half_angle(size_a, dot(to_c, to_b));
-    half_beta_ =
-        half_angle(std::abs(volume.hi) / size_c * length(to_b) / size_a, dot(across, across_a / size_a));
+    const int exponent_c = on_c.exponent - to[B].exponent + across_c.exponent,
+              exponent_a = on_a.exponent - to[B].exponent + across_a.exponent;
+    // On the line AB up to rounding, the normal of PAB has few digits or none. Elsewhere it is perpendicular
+    // to PA up to 6u, and it is made so where it is not, since otherwise directions would be no unit vectors.
+    Vec3 across = across_c.vector.rounded() / size_c;
+    const double off = dot(across, unit[A]);
+    if (std::abs(off) > 0x1p-24) return;
+    if (std::abs(off) > 0x1p-48) across = normalize(across - off * unit[A]);
+    half_c_ = half_angle(scaled(size_c, exponent_c + BA.exponent - to[A].exponent), dot(to_a, to_b));
+    half_a_ = half_angle(scaled(size_a, exponent_a + BC.exponent - to[C].exponent), dot(to_c, to_b));
+    const double sine = scaled(std::abs(volume.hi) / size_c * length(to_b) / size_a,
+                               area.exponent + on_plane.exponent - to[B].exponent - exponent_c - exponent_a);
+    const double cosine = dot(across, across_a.vector.rounded() / size_a);
+    // The sum of the squares is 1 if there are digits, and may be anything if there are none.
+    if (const double one = sine * sine + cosine * cosine; !(0x1p-100 < one && one < 0x1p100)) return;
+    half_beta_ = half_angle(sine, cosine);
     sine_beta_ = 2 * half_beta_.sine * half_beta_.cosine;
     const double cosine_beta = (half_beta_.cosine - half_beta_.sine) * (half_beta_.cosine + half_beta_.sine);
     const double cosines = half_a_.cosine * half_c_.cosine, sines = half_a_.sine * half_c_.sine;
-    half_excess_ = polar_angle(sines * sine_beta_, cosines + sines * cosine_beta);
+    const double half_excess = polar_angle(sines * sine_beta_, cosines + sines * cosine_beta);
+    if (!(half_excess >= 0x1p-900)) return;
+    half_excess_ = half_excess;
     rest_of_beta_ = polar_angle(cosines * sine_beta_, sines + cosines * cosine_beta);
 
     // The tangents at A: along AB, and across it to the side of C.
     at_a_ = unit[A];
     along_ = cross(at_a_, across);
     sideways_ = volume.hi < 0 ? across : -across;
-    const Vec3 normal = area.rounded();
+    const Vec3 normal = area.vector.rounded();
     const double size = length(normal);
     normal_ = (volume.hi < 0 ? -1 / size : 1 / size) * normal;
-    height_ = std::abs(volume.hi) / size;
+    height_ = scaled(std::abs(volume.hi) / size, on_plane.exponent);
   }
 
   /// Returns the solid angle in steradians; 0 for a point in the plane.
@@ -95,19 +121,18 @@ class TriangleView {
     const auto [sin_s, cos_s] = sine_and_cosine(u * half_excess_);
     const double sin_rest = sine_and_cosine(rest_of_beta_ + (1 - u) * half_excess_).sine;
     // Halves of σ, then of τ.
-    const double y = half_c_.cosine * sin_s, x = half_c_.sine * sin_rest, r = std::sqrt(x * x + y * y);
-    const double sin_sigma = y / r, cos_sigma = x / r;
+    const LiftedPair sigma(half_c_.sine * sin_rest, half_c_.cosine * sin_s);
+    const double sin_sigma = sigma.y / sigma.length, cos_sigma = sigma.x / sigma.length;
     const double sum = sin_sigma * half_c_.cosine + cos_sigma * half_c_.sine;
     const double difference = sin_sigma * half_c_.cosine - cos_sigma * half_c_.sine;
-    const double re = sum * half_beta_.sine, im = difference * half_beta_.cosine;
-    const double sin2_tau = re * re + im * im;
-    const double sin_tau = std::sqrt(sin2_tau);
+    const LiftedPair tau(sum * half_beta_.sine, difference * half_beta_.cosine);
+    const double sin2_tau = tau.square / tau.lift / tau.lift, sin_tau = tau.length / tau.lift;
     // The angle at A, as a product of three numbers e^(i angle).
     const double c = half_beta_.sine * cos_s - half_beta_.cosine * sin_s;
     const double s = half_beta_.sine * sin_s + half_beta_.cosine * cos_s;
-    const double cos_a = (c * re - s * im) / sin_tau, sin_a = (s * re + c * im) / sin_tau;
+    const double cos_a = (c * tau.x - s * tau.y) / tau.length, sin_a = (s * tau.x + c * tau.y) / tau.length;
 
-    const double sin_half = std::sqrt(v) * sin_tau, cos_half = std::sqrt(1 - v * sin2_tau);
+    const double sin_half = std::sqrt(v) * sin_tau, cos_half = std::sqrt(std::max(1 - v * sin2_tau, 0.0));
     const double cosine = 1 - 2 * v * sin2_tau, sine = 2 * sin_half * cos_half;
     const Vec3 direction = cosine * at_a_ + sine * (cos_a * along_ + sin_a * sideways_);
     const double distance = detail::distance_to_plane(height_, dot(direction, normal_), farthest_);
