@@ -2,6 +2,7 @@
 // on edges, corners, axes and planes.
 #include <protostar/sampling/solid_angle.hpp>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -76,6 +77,34 @@ TEST_CASE("views of triangles, disks and spheres are sound for all magnitudes of
     wrong.add(!is_sound(DiskView(from, p, magnitude(random) * normal, radius)), "disk", from, p, normal,
               radius);
     wrong.add(!is_sound(SphereView(from, p, radius)), "sphere", from, p, radius);
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE(
+    "views of parallelograms, and of rectangles from each of some points, are sound for all magnitudes") {
+  Random random(2);
+  WrongCases wrong(random);
+  for (int i = 0; i < cases(20000, 400000); ++i) {
+    const Vec3 u = magnitude(random) * direction_of(vector(random)),
+               across = normalize(cross(direction_of(u), random.direction()));
+    const Vec3 v = magnitude(random) * (i % 3 == 0 ? direction_of(vector(random)) : across);
+    if (cross(direction_of(u), direction_of(v)) == Vec3{0}) continue;
+    const Point p = i % 2 == 0 ? vector(random) : Vec3{0};
+    Point from = vector(random);
+    if (i % 5 < 3) from = p + random.real(0, 1) * u + random.real(0, 1) * v;
+    if (i % 5 < 2)
+      from += magnitude(random) * (i % 5 == 0 ? random.direction() : cross(direction_of(u), across));
+    const ParallelogramLight light(p, u, v);
+    wrong.add(!is_sound(ParallelogramView(from, light)), from, p, u, v);
+    if (!light.rectangle) continue;
+    const FewNumbers a{0.3}, b{0.6};
+    std::array<LightSample, simd::double_lanes> drawn;
+    RectangleView::sample_each(*light.rectangle, {&from, 1}, a, b, drawn);
+    const LightSample alone = RectangleView(from, *light.rectangle).sample(0.3, 0.6);
+    wrong.add(drawn[0].direction != alone.direction || drawn[0].distance != alone.distance ||
+                  drawn[0].density != alone.density,
+              "lanes", from, p, u, v);
   }
   CHECK(wrong == 0);
 }

@@ -50,11 +50,18 @@ struct RectangleLight {
   /// Prepares a rectangle from a corner and its edges, which are perpendicular up to rounding.
   RectangleLight(const Point& corner, const Vec3& u, const Vec3& v)
       : position(corner), exponent(exponent_of({u, v})) {
-    const PreciseVector along(scaled(u, -exponent)), up(scaled(v, -exponent)), normal = cross(along, up);
-    width = length(along), depth = length(up);
-    x = DoubleDouble(1) / width * along, y = DoubleDouble(1) / depth * up;
+    // Each edge has a scale of its own besides: one may be much shorter than the other.
+    const PreciseVector along(of_moderate_size(scaled(u, -exponent))),
+        up(of_moderate_size(scaled(v, -exponent))), normal = cross(along, up);
+    const DoubleDouble size_u = length(along), size_v = length(up);
+    x = DoubleDouble(1) / size_u * along, y = DoubleDouble(1) / size_v * up;
     z = DoubleDouble(1) / length(normal) * normal;
-    axis_x = along.rounded() / width.hi, axis_y = up.rounded() / depth.hi, axis_z = cross(axis_x, axis_y);
+    axis_x = along.rounded() / size_u.hi, axis_y = up.rounded() / size_v.hi, axis_z = cross(axis_x, axis_y);
+    const auto unscaled = [&](const DoubleDouble& size, const Vec3& edge) {
+      const int by = immoderate_exponent(scaled(edge, -exponent));
+      return DoubleDouble{scaled(size.hi, by), scaled(size.lo, by)};
+    };
+    width = unscaled(size_u, u), depth = unscaled(size_v, v);
   }
 };
 
@@ -78,7 +85,7 @@ class RectangleSeen {
   /// with an error below u + 2^45 60u² < (1 + 2^-2) u. Those of the far edges are the sums with the lengths,
   /// in double-double.
   RectangleSeen(const RectangleLight& r, const ToCorner& to, const Doubled& width, const Doubled& depth) {
-    using std::abs;
+    using std::abs, std::max;
     const auto left = compensated_dot(to, r.x), near = compensated_dot(to, r.y);
     const T left_x = T(left), right_x = T(left + width), near_y = T(near), far_y = T(near + depth),
             height = T(compensated_dot(to, r.z));
@@ -86,7 +93,7 @@ class RectangleSeen {
     const auto mirrors_x = -left_x > right_x, mirrors_y = -near_y > far_y, mirrors_z = height < T(0.0);
     x0_ = select(mirrors_x, -right_x, left_x), x1_ = select(mirrors_x, -left_x, right_x);
     y0_ = select(mirrors_y, -far_y, near_y), y1_ = select(mirrors_y, -near_y, far_y);
-    h_ = abs(height);
+    h_ = select(height == T(0.0), T(0.0), max(abs(height), T(least_height)));
     x_ = select(mirrors_x, Vector(-r.axis_x), Vector(r.axis_x));
     y_ = select(mirrors_y, Vector(-r.axis_y), Vector(r.axis_y));
     z_ = select(mirrors_z, Vector(-r.axis_z), Vector(r.axis_z));
@@ -109,8 +116,8 @@ class RectangleSeen {
     kappa0_ = angles[1], kappa1_ = angles[2];
     right_ = 2.0 * angles[3];
     left_ = select(is_right, Delta + near_part, 2.0 * angles[5]);
-    solid_angle_ =
-        select(h_ > T(0.0), select(is_right, 2.0 * angles[5], near_part + 2.0 * angles[6]), T(0.0));
+    const T solid_angle = select(is_right, 2.0 * angles[5], near_part + 2.0 * angles[6]);
+    solid_angle_ = select(h_ > T(0.0) && solid_angle >= T(least_angle), solid_angle, T(0.0));
   }
 
   /// Returns the solid angle in steradians; 0 for a point in the plane.
@@ -152,6 +159,11 @@ class RectangleSeen {
   }
 
  private:
+  /// Smallest height, in units of about the largest length, and smallest solid angle. With them no number
+  /// underflows: p and q are at least 2^-305 for u from 2^-54 to 1 - 2^-54, κ0 and κ1 at least 2^-151, and
+  /// the product of the four sines is above 2^-920.
+  static constexpr double least_height = 0x1p-150, least_angle = 0x1p-250;
+
   /// The part of the strip y0 ≤ y ≤ y1, z = h > 0 to the right of x ≥ 0.
   struct HalfStrip {
     T x, r0, r1, D;
@@ -191,7 +203,9 @@ class RectangleSeen {
 /// Directions from a point to a rectangle with edges that are perpendicular. The edges may deviate from
 /// that by their rounding; the corner opposite the position is then that of the rectangle. The solid angle
 /// has a relative error below 20u, and directions are off by at most 20u, if the distances from the lines
-/// through the edges, and from the plane, are above 2^-45 of those from the corners.
+/// through the edges, and from the plane, are above 2^-45 of those from the corners. Heights over the plane
+/// below 2^-150 of the largest of the sizes and distances count as that much, and a point from which the
+/// solid angle is then below 2^-250 counts as in the plane.
 class RectangleView {
  public:
   RectangleView(const Point& from, const Point& position, const Vec3& edge_u, const Vec3& edge_v)
