@@ -130,3 +130,13 @@ TEST_CASE("a light of any size is as large as its view says, however close the p
     CHECK(is_near(DiskView({0, 0, small}, corner, {0, 0, 1}, large).solid_angle(), 2 * std::numbers::pi));
   }
 }
+
+TEST_CASE("a sphere is met at once from its surface, also along it, where a number is 0") {
+  const SphereView view({0, 0, 1}, {0, 0, 0}, 1);
+  for (const double u : {0.0, 0.25, 1.0})
+    for (const double v : {0.0, 0.5, 1.0}) {
+      CAPTURE(u, v);
+      CHECK(view.sample(u, v).distance == 0);
+      CHECK(view.sample(u, v).density == 1 / (2 * std::numbers::pi));
+    }
+}

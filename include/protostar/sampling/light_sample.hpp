@@ -12,8 +12,8 @@ struct LightSample {
   Vec3 direction{0, 0, 1};  ///< a unit vector
   double distance = 0;      ///< to the light along the direction, in scene units
   /// Probability per solid angle, in 1/steradian. Infinite if the light covers no solid angle, since the
-  /// point is in its plane or the angle is below the range of double; the light then adds radiance/density =
-  /// 0.
+  /// point is in its plane or the angle is too small for the digits of a view; the light then adds
+  /// radiance/density = 0.
   double density = std::numeric_limits<double>::infinity();
 };
 

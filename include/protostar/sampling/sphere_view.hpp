@@ -55,7 +55,8 @@ class SphereView {
     const double share = p.radius * p.radius, height = share * height_, z = 1 - height;
     const double r = p.radius * std::sqrt(height_ * (2 - height));
     const double root = std::sqrt(height_ * (1 - p.radius) * (1 + p.radius) * (2 - height_ * (1 + share)));
-    const double t = gap_ / (distance_ * (z + root));
+    // On the cap's edge both roots are √(d² − R²); from the sphere itself z is 0 there.
+    const double t = z + root > 0 ? gap_ / (distance_ * (z + root)) : std::sqrt(gap_);
     return {frame_({r * cosine, r * sine, z}), std::ldexp(t, exponent_), 1 / solid_angle()};
   }
 
