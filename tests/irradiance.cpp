@@ -463,6 +463,18 @@ TEST_CASE("irradiance does not depend on the unit of length") {
   }
 }
 
+TEST_CASE("a point on the rim of a disk gets 0 with a normal of any length") {
+  Random random(31);
+  WrongCases wrong(random);
+  for (int i = 0; i < 20000; ++i) {
+    const double radius = random.real(0.5, 2), size = random.real(0.5, 2);
+    const Vec3 normal = random.direction();
+    const double got = disk_irradiance({radius, 0, 0}, normal, {0, 0, 0}, {0, size, 0}, radius);
+    wrong.add(got != 0, normal, size, radius, got);
+  }
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a sphere at any distance brings π (R/d)² cos θ, or 0 where that is below the range of double") {
   const Vec3 n{0.6, 0, 0.8}, sideways{0.8, 0, -0.6};
   for (int exponent = 1; exponent <= 2000; ++exponent) {

@@ -276,7 +276,9 @@ struct DiskFromPoint {
   const PreciseVector sideways = to + (-h) * unit;
   const DoubleDouble rho = length(cross(axis, to)) / size;
   const double near = static_cast<double>(rho - R), far = static_cast<double>(rho + R), h2 = h.hi * h.hi;
-  if (!(near * near + h2 > 0)) return 0;  // on the rim
+  // On the rim, up to the rounding of h and ρ, whose errors are below 2^-100 R there.
+  const double rounding = 0x1p-100 * R;
+  if (!(near * near + h2 > rounding * rounding)) return 0;
 
   // The center is at `height` over the horizon, and the rim reaches ± R sin(disk, horizon) from there.
   const DoubleDouble height = dot(n, to), reach = DoubleDouble(R) * length(cross(n, unit));
