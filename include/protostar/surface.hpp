@@ -61,11 +61,11 @@ template <Surface S>
 /// or else the object itself. It names the surface.
 template <Surface S>
 [[nodiscard]] Departure departure_of(const S& surface, int primitive = 0) {
-  Departure departure{.kind = Departure::Kind::object, .object = &surface};
-  if constexpr (is_made_of_primitives<S>)
-    departure = surface.departure(primitive);
-  else if constexpr (knows_departure<S>)
-    departure = surface.departure();
+  Departure departure = [&]() -> Departure {  // built in its place
+    if constexpr (is_made_of_primitives<S>) return surface.departure(primitive);
+    if constexpr (knows_departure<S> && !is_made_of_primitives<S>) return surface.departure();
+    return {.kind = Departure::Kind::object, .object = &surface};
+  }();
   departure.surface = &surface;
   return departure;
 }
