@@ -51,6 +51,8 @@ const std::set<std::string> on_demand = {
     "sampling/shard_file.hpp",
     "area_lights.hpp",
     "scene_identity.hpp",
+    "path_vertex.hpp",
+    "uninitialized.hpp",
     "environment_image.hpp",
     "texture_image.hpp",
     "environment_light.hpp",

@@ -112,19 +112,22 @@ class AreaLight {
     });
   }
 
+  /// Returns the radiance that a hit shows of the given primitive of this light: black if it is on another.
+  [[nodiscard]] Color shown_by(const Intersection& seen, std::size_t primitive) const {
+    return is_hit(seen, primitive) ? emission_ : Color{0};
+  }
+
   /// Returns an estimate of the light that a hit reflects from this light, by one ray to it. Two numbers from
-  /// [0, 1) draw a direction, unless `known` is a direction that has been drawn already. If the ray along it
-  /// meets the light first, the light counts times the weight: 1 over the expected number of rays to this
-  /// light.
+  /// [0, 1) draw a direction. If the ray along it meets the light first, the light counts times the weight: 1
+  /// over the expected number of rays to this light.
   [[nodiscard]] ReflectedLight light_by_ray(const Reflector& at, const auto& scene, const Uv& numbers,
-                                            double weight, const LightSample* known = nullptr) const {
-    const auto [drawn, triangle] =
-        known ? MeshSample{*known} : sample(at.hit.point(), numbers.x, numbers.y, at.hit.time());
+                                            double weight) const {
+    const auto [drawn, triangle] = sample(at.hit.point(), numbers.x, numbers.y, at.hit.time());
     const Vec3& direction = drawn.direction;
     return at.light_by_ray(direction, drawn.density, weight, [&, primitive = triangle] {
       return follow(
           at.leave(direction), scene, [] { return Color{0}; },
-          [&](const Intersection& seen) { return is_hit(seen, primitive) ? emission_ : Color{0}; });
+          [&](const Intersection& seen) { return shown_by(seen, primitive); });
     });
   }
 

@@ -49,6 +49,20 @@ struct ReflectedLight {
   }
 };
 
+/// Factors by which a surface reflects the radiance from one direction.
+struct LightShare {
+  double matte = 0;  ///< of the irradiance over π
+  Color glossy{0};   ///< of the radiance that the glossy lobe reflects
+
+  /// Returns true if light from there is reflected at all.
+  [[nodiscard]] bool counts() const { return matte > 0 || !is_black(glossy); }
+
+  /// Returns the light that a radiance brings.
+  [[nodiscard]] ReflectedLight of(const Color& radiance) const {
+    return {matte > 0 ? clamped(radiance * to_float(matte)) : Color{0}, clamped(radiance * glossy)};
+  }
+};
+
 /// Hit, with all that the rays to lights need of it. The normals and the departure, which these rays have in
 /// common, are computed once. Borrows the hit.
 struct Reflector {
@@ -76,28 +90,30 @@ struct Reflector {
   /// Returns true if light may be reflected.
   [[nodiscard]] bool reflects() const { return is_matte || glossy.has_value(); }
 
-  /// Returns the light from a unit direction that was drawn with a density in 1/steradian, times a weight: 1
-  /// over the expected number of rays to that light. radiance() traces the ray there and returns the radiance
-  /// of the light, or black if it is hidden; it is called only if the light counts.
-  [[nodiscard]] ReflectedLight light_by_ray(const Vec3& direction, double density, double weight,
-                                            const auto& radiance) const {
+  /// Returns the share of the light from a unit direction that was drawn with a density in 1/steradian, times
+  /// a weight: 1 over the expected number of rays to that light. Counts the ray there (light_rays): it has to
+  /// be traced if the share counts.
+  [[nodiscard, gnu::always_inline]] LightShare share_of_ray(const Vec3& direction, double density,
+                                                            double weight) const {
     // The limit is a float, so that black stays black, and no light that is likely to be chosen exceeds it.
     constexpr double largest_factor = most_irradiance;
     const double height = is_matte ? vertex.normals.height(direction) : 0;
-    const double factor = std::min(weight * height / (std::numbers::pi * density), largest_factor);
-    Color share{0};
+    LightShare share{std::min(weight * height / (std::numbers::pi * density), largest_factor)};
     if (glossy) {
       const double own = density / weight;
       const double part = power_heuristic(own, glossy_probability * glossy->density(direction)) / own;
-      share = times(glossy->reflection(direction), std::min(part, largest_factor));
+      share.glossy = times(glossy->reflection(direction), std::min(part, largest_factor));
     }
-    if (!(factor > 0) && is_black(share)) {
-      ++light_rays.skipped;
-      return {};
-    }
-    ++light_rays.traced;
-    const Color light = radiance();
-    return {factor > 0 ? clamped(light * to_float(factor)) : Color{0}, clamped(light * share)};
+    ++(share.counts() ? light_rays.traced : light_rays.skipped);
+    return share;
+  }
+
+  /// Returns the light from a direction, by its share_of_ray. radiance() traces the ray there and returns the
+  /// radiance of the light, or black if it is hidden; it is called only if the light counts.
+  [[nodiscard]] ReflectedLight light_by_ray(const Vec3& direction, double density, double weight,
+                                            const auto& radiance) const {
+    const LightShare share = share_of_ray(direction, density, weight);
+    return share.counts() ? share.of(radiance()) : ReflectedLight{};
   }
 
   /// Returns the light of a source at a point or in a direction, if nothing occludes it. Its `matte` is the

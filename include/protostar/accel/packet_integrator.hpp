@@ -24,12 +24,10 @@ concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 template <class I>
 concept FollowsPaths = std::same_as<typename I::FollowsPaths, I>;
 
-/// Integrator of paths that draws directions to lights for several paths at once: it has draw_to_lights() and
-/// the type ToLight, as PathIntegrator has, and takes these directions as Numbers::to_light.
+/// Integrator of paths that lets several of them meet their hits at once, by meet_each() as PathIntegrator
+/// has it. It declares this for its own type only, too.
 template <class I>
-concept AimsAtLights = FollowsPaths<I> && requires {
-  typename I::ToLight;
-};
+concept MeetsTogether = FollowsPaths<I> && std::same_as<typename I::MeetsTogether, I>;
 
 /// Integrator that shades a hit by the numbers of a sampler.
 template <class I, class S>

@@ -2,8 +2,8 @@
 //
 // All paths of a wave have come equally far, so that they take the same set of their samplers, and its
 // numbers and the directions to which they lead are drawn in lanes; so are directions to rectangles that
-// shine, and in scenes of few surfaces the rays are traced in lanes. All else is done path by path: without
-// the lanes, a wave takes as long as its paths one after the other.
+// shine, and in scenes of few surfaces the rays of the paths and those to lights are traced in lanes. All
+// else is done path by path: without the lanes, a wave takes as long as its paths one after the other.
 #pragma once
 
 #include <algorithm>
@@ -28,23 +28,13 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Type of an integrator's directions to lights; empty if it draws none for several paths together.
-template <class I>
-struct DirectionsToLights {
-  struct ToLight {};
-};
-template <AimsAtLights I>
-struct DirectionsToLights<I> {
-  using ToLight = typename I::ToLight;
-};
-
 /// Paths of an integrator that follows them (FollowsPaths), and the light of the packets in which they began.
 template <class I>
 class PathWave {
  public:
   /// Largest number of packets: enough that lanes are full after some bounces as well, and few, so that their
   /// paths and hits take little memory.
-  static constexpr std::size_t most_starting_packets = std::max(32 / double_lanes, 1);
+  static constexpr std::size_t most_starting_packets = std::max(64 / double_lanes, 1);
 
   /// Begins the path of pixel (x, y) of the image, which is a lane of a packet of the wave, at the first hit
   /// of its camera ray. A packet's number is below most_starting_packets.
@@ -82,15 +72,21 @@ class PathWave {
       std::size_t on_the_way = 0;
       for (std::size_t first = 0; first < count_; first += lanes) {
         const std::size_t some = std::min(lanes, count_ - first);
-        Drawn drawn = draw(grid, i, set, first, some);
-        if constexpr (AimsAtLights<I>)
-          integrator.draw_to_lights(
-              some, [&](std::size_t lane) -> auto& { return paths_[on_the_way_[first + lane]]; },
-              [&](std::size_t lane) -> auto& { return *hits_[on_the_way_[first + lane]]; }, drawn.numbers[2],
-              drawn.numbers[3], drawn.to_light);
+        const Drawn drawn = draw(grid, i, set, first, some);
+        const auto path = [&](std::size_t lane) -> auto& { return paths_[on_the_way_[first + lane]]; };
+        const auto hit = [&](std::size_t lane) -> const Intersection& {
+          return *hits_[on_the_way_[first + lane]];
+        };
+        std::array<bool, lanes> goes_on;
+        if constexpr (MeetsTogether<I>)
+          integrator.meet_each(
+              some, path, hit, [&](std::size_t lane) { return drawn[lane]; }, scene, goes_on);
+        else
+          for (std::size_t lane = 0; lane < some; ++lane)
+            goes_on[lane] = integrator.meet(path(lane), hit(lane), scene, [&] { return drawn[lane]; });
         for (std::size_t lane = 0; lane < some; ++lane) {
           const std::size_t k = on_the_way_[first + lane];
-          if (integrator.meet(paths_[k], *hits_[k], scene, [&] { return drawn[lane]; }))
+          if (goes_on[lane])
             on_the_way_[on_the_way++] = k;
           else
             finish(k, paths_[k].sum);
@@ -127,20 +123,13 @@ class PathWave {
     std::size_t number;
   };
 
-  using ToLight = typename DirectionsToLights<I>::ToLight;
-
-  /// I::Numbers, one in each lane: those of a set, the local directions to which they lead, and the
-  /// directions to lights that have been drawn.
+  /// I::Numbers, one in each lane: those of a set, and the local directions to which they lead.
   struct Drawn {
     double numbers[4][lanes], hemisphere[3][lanes];
-    std::array<ToLight, lanes> to_light;
 
     [[nodiscard]] typename I::Numbers operator[](std::size_t lane) const {
-      typename I::Numbers of_lane({numbers[0][lane], numbers[1][lane], numbers[2][lane], numbers[3][lane]},
-                                  {hemisphere[0][lane], hemisphere[1][lane], hemisphere[2][lane]});
-      if constexpr (AimsAtLights<I>)
-        if (to_light[lane]) of_lane.to_light = &*to_light[lane];
-      return of_lane;
+      return {{numbers[0][lane], numbers[1][lane], numbers[2][lane], numbers[3][lane]},
+              {hemisphere[0][lane], hemisphere[1][lane], hemisphere[2][lane]}};
     }
   };
 

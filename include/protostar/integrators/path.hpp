@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <new>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -17,10 +18,12 @@
 #include "../environment_light.hpp"
 #include "../light_at_hit.hpp"
 #include "../lobes.hpp"
+#include "../path_vertex.hpp"
 #include "../render.hpp"
 #include "../sampling/sampler.hpp"
 #include "../sampling/solid_angle.hpp"
 #include "../simd/simd.hpp"
+#include "../uninitialized.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -44,7 +47,10 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// to at most 1, no path weighs more than 1. Rays to lights have weights without such a bound, as lights are
 /// chosen by their power.
 struct PathIntegrator : FirstHit<PathIntegrator> {
-  using FollowsPaths = PathIntegrator;  ///< those of several pixels together (accel/packet_integrator.hpp)
+  /// Says that it follows paths of several pixels together, and lets several meet their hits at once. It
+  /// names its own type (accel/packet_integrator.hpp).
+  using FollowsPaths = PathIntegrator;
+  using MeetsTogether = PathIntegrator;
 
   /// Largest depth. It bounds the time of a sample, and the coordinates of points (most_t).
   static constexpr int most_depth = 1000;
@@ -95,18 +101,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     [[nodiscard]] std::uint32_t set() const { return static_cast<std::uint32_t>(1 + bounces); }
   };
 
-  /// Direction to a light, if one has been drawn together with those of other paths (draw_to_lights).
-  using ToLight = std::optional<LightSample>;
-
-  /// Numbers of a set, and the local direction of cosine_hemisphere to which the first two lead.
-  struct Numbers : SampleSet<double> {
-    Vec3 hemisphere;
-    const LightSample* to_light = nullptr;  ///< direction to the light that they choose; null: not drawn yet
-    Numbers(const SampleSet<double>& set, const Vec3& direction)
-        : SampleSet<double>(set), hemisphere(direction) {}
-    explicit Numbers(const SampleSet<double>& set)
-        : Numbers(set, cosine_hemisphere(set[0], set[1]).direction) {}
-  };
+  using Numbers = detail::VertexNumbers;
 
   /// Takes set 1 of the sampler at the hit, and the next set at each further vertex: two numbers for the
   /// direction and two for the light, of which the first also decides how the path goes on. Throws
@@ -130,39 +125,71 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     environment.require(scene);
   }
 
-  /// Draws directions to lights for some paths at once, as many as there are lanes or fewer: those to each
-  /// rectangle to which two or more of the paths cast rays. path(k) and hit(k) are the k-th path and its next
-  /// hit, u[k] and v[k] the third and fourth number of its set; drawn[k] gets the direction, if one is drawn.
-  void draw_to_lights(std::size_t count, const auto& path, const auto& hit, const double* u, const double* v,
-                      std::span<ToLight> drawn) const {
-    if (!lights.has_rectangles()) return;
-    std::array<ChosenLight, simd::double_lanes> chosen;
-    for (std::size_t k = 0; k < count; ++k)
-      if (path(k).bounces < depth && reflects_light(hit(k).material())) chosen[k] = choose_light(u[k]);
-    for (std::size_t first = 0; first < count; ++first) {
-      const AreaLight* const light = chosen[first].area;
-      if (light == nullptr || light->rectangle() == nullptr) continue;
-      std::array<std::size_t, simd::double_lanes> which;
-      std::array<Point, simd::double_lanes> from;
-      std::array<LightSample, simd::double_lanes> samples;
-      FewNumbers rest{}, other{};
-      std::size_t some = 0;
-      for (std::size_t k = first; k < count; ++k)
-        if (chosen[k].area == light) {
-          from[some] = hit(k).point(), rest[some] = chosen[k].rest, other[some] = v[k];
-          which[some++] = k;
-          chosen[k].area = nullptr;
-        }
-      if (some < 2) continue;
-      RectangleView::sample_each(*light->rectangle(), {from.data(), some}, rest, other, samples);
-      for (std::size_t i = 0; i < some; ++i) drawn[which[i]] = samples[i];
-    }
-  }
-
   /// Adds the light that a path finds at a hit to path.sum, and chooses how it goes on from there, along
   /// path.ray; returns false if the path ends. draw() returns the Numbers of path.set(), and is called at
   /// most once, only if light is scattered.
   [[nodiscard]] bool meet(Path& path, const Intersection& hit, const auto& scene, const auto& draw) const {
+    if (!arrive(path, hit)) return false;
+    PathVertex vertex(hit, draw);
+    vertex.chosen = choose_light(vertex);
+    vertex.aim();
+    Color radiance{0};
+    if (vertex.to_light)
+      radiance = follow(
+          *vertex.to_light, scene, [] { return Color{0}; },
+          [&](const Intersection& seen) { return vertex.shown_by(seen); });
+    return go_on(path, vertex, scene, radiance);
+  }
+
+  /// Lets as many paths as there are lanes, or fewer, meet their hits: as meet(path(k), hit(k), scene, …)
+  /// with numbers(k), whose result becomes goes_on[k]. Directions to a rectangle are drawn together, and the
+  /// rays to area lights are traced together.
+  void meet_each(std::size_t count, const auto& path, const auto& hit, const auto& numbers, const auto& scene,
+                 std::span<bool> goes_on) const {
+    constexpr auto lanes = static_cast<std::size_t>(simd::double_lanes);
+    Uninitialized<PathVertex, lanes> room;
+    std::array<PathVertex*, lanes> vertices{};  // null: the path ends
+    for (std::size_t k = 0; k < count; ++k)
+      if (arrive(path(k), hit(k))) {
+        vertices[k] = new (&room[k]) PathVertex(hit(k), [&] { return numbers(k); });
+        vertices[k]->chosen = choose_light(*vertices[k]);
+      }
+    std::array<std::optional<LightSample>, lanes> drawn;
+    if (lights.has_rectangles()) draw_to_rectangles(vertices, drawn);
+
+    std::array<std::size_t, lanes> which;  // vertices with a ray to a light
+    std::size_t some = 0;
+    for (std::size_t k = 0; k < count; ++k)
+      if (vertices[k] != nullptr) {
+        vertices[k]->aim(drawn[k]);
+        if (vertices[k]->to_light) which[some++] = k;
+      }
+    Uninitialized<std::optional<Intersection>, lanes> seen;
+    scene.intersect_each(
+        some, [&](std::size_t i) -> const Ray& { return *vertices[which[i]]->to_light; },
+        [&](std::size_t i) { return &seen[which[i]]; });
+    for (std::size_t k = 0; k < count; ++k) {
+      goes_on[k] = vertices[k] != nullptr;
+      if (!goes_on[k]) continue;
+      const PathVertex& vertex = *vertices[k];
+      const Color radiance = vertex.to_light && seen[k] ? vertex.shown_by(*seen[k]) : Color{0};
+      goes_on[k] = go_on(path(k), vertex, scene, radiance);
+    }
+  }
+
+  /// Returns the light of a path whose ray hits nothing.
+  [[nodiscard]] Color leave(const Path& path, const auto& scene) const {
+    const Color sky = clamped(path.weight * background(path.ray, scene));
+    return clamped(path.sum + times(sky, power_heuristic(path.weighed_density, density_by_lights(path.ray))));
+  }
+
+ private:
+  using ChosenLight = detail::ChosenLight;
+  using PathVertex = detail::PathVertex;
+
+  /// Adds the emission of a hit to path.sum. Returns true if the path has a vertex there: the material
+  /// scatters light, and the path may have another bounce.
+  [[nodiscard]] bool arrive(Path& path, const Intersection& hit) const {
     const Material& material = hit.material();
     if (!is_black(material.emission)) {
       if (const double share =
@@ -171,22 +198,60 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
         path.sum = clamped(path.sum + times(clamped(path.weight * material.emission), share));
       if (!scatters(material)) return false;  // as most lamps
     }
-    if (path.bounces >= depth) return false;
+    return path.bounces < depth;
+  }
 
-    const Numbers numbers = draw();
-    const Color albedo = hit.color();
-    Reflector at(hit, albedo);
-    const LobeShares shares(material, albedo, at);
-    if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
+  /// Chooses an area light or the environment for a vertex that reflects light, by the third number.
+  [[nodiscard]] ChosenLight choose_light(const PathVertex& vertex) const {
+    if (!vertex.at.reflects()) return {};
+    double number = vertex.numbers[2];
+    const double share = 1 - share_of_environment();
+    if (share < 1 && !decide(number, share)) return {nullptr, 1 - share, number};
+    if (!has_area_lights()) return {};
+    const auto [index, probability, rest] = lights.by_power().choose(number);
+    return {&lights.lights()[index], probability * share, rest};
+  }
+
+  /// Draws directions to rectangles for some vertices at once: to each that two or more of them have chosen.
+  /// drawn[k] gets the direction of the k-th, if one is drawn.
+  template <std::size_t most>
+  static void draw_to_rectangles(const std::array<PathVertex*, most>& vertices,
+                                 std::array<std::optional<LightSample>, most>& drawn) {
+    const auto chosen_by = [&](std::size_t k) { return vertices[k] ? vertices[k]->chosen.area : nullptr; };
+    for (std::size_t first = 0; first < most; ++first) {
+      const AreaLight* const light = chosen_by(first);
+      if (light == nullptr || drawn[first] || light->rectangle() == nullptr) continue;
+      std::array<std::size_t, most> which;
+      std::array<Point, most> from;
+      std::array<LightSample, most> samples;
+      FewNumbers rest{}, other{};
+      std::size_t some = 0;
+      for (std::size_t k = first; k < most; ++k)
+        if (chosen_by(k) == light) {
+          from[some] = vertices[k]->hit.point();
+          rest[some] = vertices[k]->chosen.rest, other[some] = vertices[k]->numbers[3];
+          which[some++] = k;
+        }
+      if (some < 2) continue;
+      RectangleView::sample_each(*light->rectangle(), {from.data(), some}, rest, other, samples);
+      for (std::size_t i = 0; i < some; ++i) drawn[which[i]] = samples[i];
+    }
+  }
+
+  /// Adds the light that a vertex reflects to path.sum, if its ray to an area light has found this radiance,
+  /// and chooses how the path goes on, along path.ray; returns false if it ends.
+  [[nodiscard]] bool go_on(Path& path, const PathVertex& vertex, const auto& scene,
+                           const Color& radiance) const {
+    const Reflector& at = vertex.at;
     if (at.reflects() && has_light(scene)) {
-      const ReflectedLight light = light_at(at, scene, numbers);
-      Color reflected = clamped(albedo * light.matte);
+      const ReflectedLight light = light_at(vertex, scene, radiance);
+      Color reflected = clamped(vertex.albedo * light.matte);
       if (at.glossy) reflected = clamped(reflected + light.glossy);
       path.sum = clamped(path.sum + clamped(path.weight * reflected));
     }
 
-    double number = numbers[2];
-    const Bounce onward = scatter(material, albedo, at, shares, numbers, number);
+    double number = vertex.numbers[2];
+    const Bounce onward = vertex.scatter(number);
     if (!onward.goes_on()) return false;
     if (path.bounces == sure_bounces) path.most_weight = largest(path.weight);
     path.weight = clamped(path.weight * onward.weight);
@@ -197,31 +262,8 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return true;
   }
 
-  /// Returns the light of a path whose ray hits nothing.
-  [[nodiscard]] Color leave(const Path& path, const auto& scene) const {
-    const Color sky = clamped(path.weight * background(path.ray, scene));
-    return clamped(path.sum + times(sky, power_heuristic(path.weighed_density, density_by_lights(path.ray))));
-  }
-
- private:
   /// Returns true if there are area lights to which rays are cast.
   [[nodiscard]] bool has_area_lights() const { return lights.by_power().whole() > 0; }
-
-  /// Choice of the light to which a ray leads.
-  struct ChosenLight {
-    const AreaLight* area = nullptr;  ///< null: the environment, or none if the probability is 0
-    double probability = 0;
-    double rest = 0;  ///< number in [0, 1) for a direction to the light
-  };
-
-  /// Chooses an area light or the environment by the third number of a set.
-  [[nodiscard]] ChosenLight choose_light(double number) const {
-    const double share = 1 - share_of_environment();
-    if (share < 1 && !decide(number, share)) return {nullptr, 1 - share, number};
-    if (!has_area_lights()) return {};
-    const auto [index, probability, rest] = lights.by_power().choose(number);
-    return {&lights.lights()[index], probability * share, rest};
-  }
 
   /// Returns true if a material may reflect light from directions that are drawn to lights.
   [[nodiscard]] static bool reflects_light(const Material& material) {
@@ -256,10 +298,11 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return share_of_environment() * environment.density(ray.direction);
   }
 
-  /// Returns an estimate of the light that a hit reflects of ambient light, of lights at points or in
-  /// directions, of an area light or of the environment, if they are not occluded.
-  [[nodiscard]] ReflectedLight light_at(const Reflector& at, const auto& scene,
-                                        const Numbers& numbers) const {
+  /// Returns an estimate of the light that a vertex reflects of ambient light, of lights at points or in
+  /// directions, of an area light with the radiance that its ray has found, or of the environment.
+  [[nodiscard]] ReflectedLight light_at(const PathVertex& vertex, const auto& scene,
+                                        const Color& radiance) const {
+    const Reflector& at = vertex.at;
     ReflectedLight light{ambient_of(scene)};
     const std::vector<Light>& all = scene.lights();
     if (const auto rays = static_cast<std::size_t>(most_rays); all.size() <= rays) {
@@ -268,16 +311,15 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
       // One number chooses all: each share of 1/rays of the lights gets a ray.
       const double step = static_cast<double>(all.size()) / most_rays;
       for (int k = 0; k < most_rays; ++k) {
-        const auto i = static_cast<std::size_t>((k + numbers[2]) * step);
+        const auto i = static_cast<std::size_t>((k + vertex.numbers[2]) * step);
         light += at.light_of(all[std::min(i, all.size() - 1)], scene) * to_float(step);
       }
     }
     light.matte = clamped(light.matte) * to_float(1 / std::numbers::pi);
-    const auto [area, probability, rest] = choose_light(numbers[2]);
-    if (area != nullptr) {
-      light += area->light_by_ray(at, scene, {rest, numbers[3]}, 1 / probability, numbers.to_light);
+    if (const auto& [area, probability, rest] = vertex.chosen; area != nullptr) {
+      light += vertex.share.of(radiance);
     } else if (probability > 0) {
-      const auto drawn = environment.sample(rest, numbers[3]);
+      const auto drawn = environment.sample(rest, vertex.numbers[3]);
       const Ray ray = at.leave(drawn.direction);
       light += at.light_by_ray(drawn.direction, drawn.density, 1 / probability, [&] {
         return scene.occluded(ray, Interval{}) ? Color{0} : background(ray, scene);
@@ -285,53 +327,6 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     }
     light.matte = clamped(light.matte);
     return light;
-  }
-
-  enum class Lobe { diffuse, glossy, mirror, glass };
-
-  /// Shares of light that a material's lobes send back (their share()), as weights for the choice of a lobe.
-  struct LobeShares {
-    double diffuse, glossy, mirror, glass;
-
-    LobeShares(const Material& material, const Color& albedo, const Reflector& at)
-        : diffuse(DiffuseLobe{albedo}.share()),
-          glossy(at.glossy ? at.glossy->share() : 0),
-          mirror(MirrorLobe{to_float(material.reflect)}.share()),
-          glass(GlassLobe{to_float(material.refract), material.ior}.share()) {}
-
-    [[nodiscard]] double sharp() const { return mirror + glass; }
-    [[nodiscard]] double whole() const { return diffuse + glossy + sharp(); }
-
-    struct Choice {
-      Lobe lobe;
-      double share;
-    };
-
-    /// Chooses a lobe, with a probability in proportion to its share. Precondition: there is any.
-    [[nodiscard]] Choice choose(double& number) const {
-      if (diffuse == whole()) return {Lobe::diffuse, diffuse};  // the number stays as it is
-      if (decide(number, diffuse / whole())) return {Lobe::diffuse, diffuse};
-      if (glossy > 0 && decide(number, glossy / (glossy + sharp()))) return {Lobe::glossy, glossy};
-      if (decide(number, mirror / sharp())) return {Lobe::mirror, mirror};
-      return {Lobe::glass, glass};
-    }
-  };
-
-  /// Chooses one of the material's lobes and draws a direction by it. A path does not go on if the material
-  /// scatters no light, or the direction leads into the surface.
-  [[nodiscard]] static Bounce scatter(const Material& material, const Color& albedo, const Reflector& at,
-                                      const LobeShares& shares, const Numbers& numbers, double& number) {
-    const double whole = shares.whole();
-    if (!(whole > 0)) return {};
-    const auto [lobe, share] = shares.choose(number);
-    Bounce onward = lobe == Lobe::diffuse  ? DiffuseLobe{albedo}.along(at.vertex, numbers.hemisphere)
-                    : lobe == Lobe::glossy ? at.glossy->sample(numbers[0], numbers[1])
-                    : lobe == Lobe::mirror
-                        ? MirrorLobe{to_float(material.reflect)}.sample(at.vertex)
-                        : GlassLobe{to_float(material.refract), material.ior}.sample(at.vertex, number);
-    if (lobe == Lobe::glossy) onward.weighed_density *= share / whole;
-    if (share != whole) onward.weight = times(onward.weight, whole / share);
-    return onward;
   }
 
   /// Russian roulette: a path goes on with a probability in proportion to its weight, and then weighs as much

@@ -41,7 +41,7 @@ struct Frame {
 ///
 /// With k = 1/(1 + n.z), x = (1 − k n.x², −k n.x n.y, −n.x) and y = (−k n.x n.y, 1 − k n.y², −n.y). For n.z
 /// < 0 the sum 1 + n.z would cancel, and k = (1 − n.z)/(n.x² + n.y²) is accurate.
-[[nodiscard]] inline Frame frame_around(const Vec3& n) {
+[[nodiscard, gnu::always_inline]] inline Frame frame_around(const Vec3& n) {
   const double square = n.x * n.x + n.y * n.y;
   if (n.z < 0 && square < 0x1p-900) return {{1, 0, 0}, {0, -1, 0}, n};  // before the squares underflow
   const double k = n.z < 0 ? (1 - n.z) / square : 1 / (1 + n.z);

@@ -1,0 +1,120 @@
+// Vertex of a path of PathIntegrator: its numbers, its ray to an area light, and how the path goes on.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "area_lights.hpp"
+#include "intersection.hpp"
+#include "light_at_hit.hpp"
+#include "lobes.hpp"
+#include "material.hpp"
+#include "ray.hpp"
+#include "sampling/light_sample.hpp"
+#include "sampling/sampler.hpp"
+#include "sampling/warp.hpp"
+#include "vec3.hpp"
+
+namespace protostar::inline PROTOSTAR_ABI::detail {
+
+/// Numbers of a set, and the local direction of cosine_hemisphere to which the first two lead.
+struct VertexNumbers : SampleSet<double> {
+  Vec3 hemisphere;
+  VertexNumbers(const SampleSet<double>& set, const Vec3& direction)
+      : SampleSet<double>(set), hemisphere(direction) {}
+  explicit VertexNumbers(const SampleSet<double>& set)
+      : VertexNumbers(set, cosine_hemisphere(set[0], set[1]).direction) {}
+};
+
+/// Shares of light that a material's lobes send back (their share()), as weights for the choice of a lobe.
+struct LobeShares {
+  enum class Lobe { diffuse, glossy, mirror, glass };
+  double diffuse, glossy, mirror, glass;
+
+  LobeShares(const Material& material, const Color& albedo, const Reflector& at)
+      : diffuse(DiffuseLobe{albedo}.share()),
+        glossy(at.glossy ? at.glossy->share() : 0),
+        mirror(MirrorLobe{to_float(material.reflect)}.share()),
+        glass(GlassLobe{to_float(material.refract), material.ior}.share()) {}
+
+  [[nodiscard]] double sharp() const { return mirror + glass; }
+  [[nodiscard]] double whole() const { return diffuse + glossy + sharp(); }
+
+  struct Choice {
+    Lobe lobe;
+    double share;
+  };
+
+  /// Chooses a lobe, with a probability in proportion to its share. Precondition: there is any.
+  [[nodiscard]] Choice choose(double& number) const {
+    if (diffuse == whole()) return {Lobe::diffuse, diffuse};  // the number stays as it is
+    if (decide(number, diffuse / whole())) return {Lobe::diffuse, diffuse};
+    if (glossy > 0 && decide(number, glossy / (glossy + sharp()))) return {Lobe::glossy, glossy};
+    if (decide(number, mirror / sharp())) return {Lobe::mirror, mirror};
+    return {Lobe::glass, glass};
+  }
+};
+
+/// Choice of the light to which a ray leads.
+struct ChosenLight {
+  const AreaLight* area = nullptr;  ///< null: the environment, or none if the probability is 0
+  double probability = 0;
+  double rest = 0;  ///< number in [0, 1] for a direction to the light
+};
+
+/// Vertex of a path, at a hit whose material scatters light, and the ray from there to an area light.
+struct PathVertex {
+  const Intersection& hit;
+  VertexNumbers numbers;
+  Color albedo;
+  Reflector at;
+  LobeShares shares;
+  ChosenLight chosen;
+  LightShare share;             ///< of the light from the chosen area light
+  std::size_t primitive = 0;    ///< primitive of that light, to which the ray leads
+  std::optional<Ray> to_light;  ///< ray to that light; none if its share does not count
+
+  /// Takes the hit, and the numbers that draw() returns.
+  PathVertex(const Intersection& met, const auto& draw)
+      : hit(met), numbers(draw()), albedo(met.color()), at(met, albedo), shares(met.material(), albedo, at) {
+    if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
+  }
+
+  /// Points the ray to the chosen light, if that is an area light: in a direction that has been drawn, or
+  /// else that the fourth number and the rest of the third draw.
+  void aim(const std::optional<LightSample>& drawn = {}) {
+    const AreaLight* const area = chosen.area;
+    if (area == nullptr) return;
+    const auto [sample, triangle] =
+        drawn ? MeshSample{*drawn} : area->sample(hit.point(), chosen.rest, numbers[3], hit.time());
+    share = at.share_of_ray(sample.direction, sample.density, 1 / chosen.probability);
+    primitive = triangle;
+    if (share.counts()) at.leave(sample.direction, to_light.emplace());
+  }
+
+  /// Returns the radiance of the chosen area light that the ray to it has found: black if it has `seen`
+  /// another surface.
+  [[nodiscard]] Color shown_by(const Intersection& seen) const {
+    return chosen.area->shown_by(seen, primitive);
+  }
+
+  /// Chooses one of the material's lobes by a number and draws a direction by it. A path does not go on if
+  /// the material scatters no light, or the direction leads into the surface.
+  [[nodiscard]] Bounce scatter(double& number) const {
+    using Lobe = LobeShares::Lobe;
+    const double whole = shares.whole();
+    if (!(whole > 0)) return {};
+    const Material& material = hit.material();
+    const auto [lobe, of_lobe] = shares.choose(number);
+    Bounce onward = lobe == Lobe::diffuse  ? DiffuseLobe{albedo}.along(at.vertex, numbers.hemisphere)
+                    : lobe == Lobe::glossy ? at.glossy->sample(numbers[0], numbers[1])
+                    : lobe == Lobe::mirror
+                        ? MirrorLobe{to_float(material.reflect)}.sample(at.vertex)
+                        : GlassLobe{to_float(material.refract), material.ior}.sample(at.vertex, number);
+    if (lobe == Lobe::glossy) onward.weighed_density *= of_lobe / whole;
+    if (of_lobe != whole) onward.weight = times(onward.weight, whole / of_lobe);
+    return onward;
+  }
+};
+
+}  // namespace protostar::inline PROTOSTAR_ABI::detail
