@@ -382,6 +382,32 @@ TEST_CASE("bounds that are too far apart are refused with the difference that is
       "(3.9e-121) to 2^400 (2.6e120)");
 }
 
+TEST_CASE(
+    "a march from far away that takes thousands of segments between two doubles goes on behind its roots") {
+  // fold(x) + fold(x + 1) = 1, but the sum of their enclosures tells so only between kinks. A bar across the
+  // ray is all that it meets.
+  const auto teeth = [](const auto& p) {
+    return min(fold(p.x * 512.0) + fold(p.x * 512.0 + 1.0) - 0.99 + p.y, max(p.x - 0.41, 0.4 - p.x));
+  };
+  const Marched surface{teeth, cube_bounds(1), 2000};
+  /// Counts the roots of a march, and ends one that finds more than there are.
+  struct Roots : NoTrace {
+    int count = 0;
+    void proven(MarchProof proof, double, double) {
+      count += proof == MarchProof::sign_change || proof == MarchProof::touch;
+      if (count > 100) throw std::runtime_error("a march that finds its roots again and again");
+    }
+  };
+  fallbacks = {};
+  for (const double direction : {1.0, -1.0}) {
+    Roots roots;
+    const Ray ray{.origin = {-direction * 0x1p52, 0, 0}, .direction = {direction, 0, 0}};
+    CHECK(surface.march(ray, {0x1p53, infinity}, roots).answer == MarchedRoot::Answer::miss);
+    CHECK(roots.count == 2);
+  }
+  CHECK(fallbacks.undecided == 0);
+}
+
 TEST_CASE("a surface counts up to 2^-10 of the bounds beyond them, and no farther") {
   const auto plane = [](const auto& p) { return p.x; };
   const auto hit = [&](double face) {

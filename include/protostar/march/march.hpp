@@ -73,6 +73,12 @@ class March {
       if (root.met) return hit(root);
       if (after.fail) return undecided();
       if (!after.are_worth_balls) return {};
+      // Far away, where double proves nothing on the whole line, many roots may lie between two doubles.
+      if (!(line_.error() < infinity)) continue;
+      // Elsewhere F > 0 from t_ to t as well. Where balls are faster again, F(t) is above 128 of its errors,
+      // of which one is more than F changes by over two last places of t. Otherwise t is 2^-8 of the extent
+      // beyond where this march by segments began, more than ten last places where the error is finite, or
+      // has doubled.
       if (!(t_ > before)) return undecided();
       if (!in_double(true)) return found();
       t = t_, before = before_;
@@ -232,6 +238,7 @@ class March {
   [[nodiscard]] Segments march_by_segments(B& at, ProvenRoots<B, M>& roots, M live) {
     using E = Enclosure<B>;
     const B zero(0.0);
+    const B start = at;
     const R begin(at), reach = line_.reach(), worth = R(StepRules::worth_balls) * line_.error();
     // A segment is as short as it can be at the last digits of t in double, or of points in double-double.
     const double digits = std::same_as<B, R> ? 0x1p-53 : 0;
@@ -272,9 +279,8 @@ class March {
       const M met = meet(narrowed_root(line_, has_crossed, at, crossed), roots);
       after.fail = after.fail || (has_crossed && !met);
     }
-    const R t(at);
-    const M comes_farther =
-        t - begin > R(StepRules::least_progress) * line_.extent() || (begin >= R(0.0) && t > R(2.0) * begin);
+    const M comes_farther = R(at - start) > R(StepRules::least_progress) * line_.extent() ||
+                            (begin >= R(0.0) && R(at) > R(2.0) * begin);
     const M creeps = live && !comes_farther;
     after.fail = after.fail || creeps;
     after.are_worth_balls = after.are_worth_balls || (live && !creeps);
