@@ -79,6 +79,7 @@ const std::set<std::string> on_demand = {
     "scene_fields.hpp",
     "surfaces/moving.hpp",
     "surfaces/distance_field.hpp",
+    "surfaces/field_crossings.hpp",
     "surfaces/field_jumps.hpp",
     "surfaces/marched.hpp",
     "surfaces/plain_field.hpp",

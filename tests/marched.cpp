@@ -1,6 +1,7 @@
 // Surfaces of fields that are marched: the crossings are those of exact surfaces and of subdivision.
 #include <cmath>
 #include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/csg.hpp>
 #include <protostar/surfaces/distance_field.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
@@ -214,6 +215,40 @@ TEST_CASE("a ray that clips an edge between two doubles crosses the surface twic
   // The same from the other side, where one ray leaves the solid and enters it again.
   const auto groove = [](const auto& p) { return 0x1p-60 - max(p.x, p.y); };
   CHECK(crossings_of(Marched(groove, cube_bounds(3), 100), ray).size() == 2);
+  CHECK(fallbacks.undecided == 0);
+}
+
+TEST_CASE("crossings between two doubles are told apart, and ordered among those of other surfaces") {
+  // Into the solid beside −y = 2^-56, and out of it beside 2x − y = 2^-59: 3 · 2^-59 before and 2^-59 behind
+  // t = 1/3, as shares of 9 and 27.
+  const auto clipped = [](const auto& p) {
+    return max(max(2.0 * p.x - p.y - 0x1p-59, p.y - 0x1p-55), length(p) - 2.0);
+  };
+  const Marched marched(clipped, cube_bounds(3), 100);
+  const Ray ray{.origin = {-3, 3, -2}, .direction = {9, -9, 6}};
+  const auto root_at = [](double numerator, const ExactNumber& change) {
+    return ExactRoot{.A = numerator, .b = ExactNumber(numerator / 3) + change, .D = {}};
+  };
+  const ExactRoot truth[]{root_at(9, -0x1p-55), root_at(27, 0x1p-59)}, middle = root_at(3, 0.0);
+  for (const Interval range : {Interval{}, everywhere}) {
+    fallbacks = {};
+    std::vector<ExactRoot> roots;
+    marched.each_crossing(ray, range,
+                          [&](const Crossing& one) { roots.push_back(marched.exact_root(ray, one)); });
+    REQUIRE(roots.size() == 2);
+    CHECK(order(roots[0], middle) == -1);
+    CHECK(order(middle, roots[1]) == -1);
+    CHECK(order(roots[0], roots[1]) == -1);
+    CHECK(fallbacks.undecided == 0);
+    for (int i = 0; i < 2; ++i) CHECK(order(roots[static_cast<std::size_t>(i)], truth[i]) == 0);
+  }
+  // A box from x = 0 on, where the ray comes at t = 1/3, leaves the second part of the chord.
+  fallbacks = {};
+  const Csg both = intersection_of({marched, Box{.min = {0, -2, -2}, .max = {2, 2, 2}}});
+  CHECK(crossings_of_solid(both, ray).size() == 2);
+  CHECK(crossings_of_solid(both, ray.with_direction(-ray.direction), everywhere).size() == 2);
+  const Csg part = difference_of({Box{.min = {-2, -2, -2}, .max = {0, 2, 2}}, marched});
+  CHECK(crossings_of_solid(part, ray).size() == 2);
   CHECK(fallbacks.undecided == 0);
 }
 

@@ -70,10 +70,10 @@ template <class Line>
   return {decided_behind(line, 0)};
 }
 
-/// Calls visit(const MarchedRoot&) for the roots of a line in t > begin, near to far, until it returns true.
-/// If the ray leaves the surface, `begin` is 0, and the root 0 is not visited; nor is it for another ray with
-/// begin = 0 if double-double does not tell the sign of F(0). A touch is visited twice. Roots behind `stop`
-/// need not be visited.
+/// Calls visit(const MarchedRoot&, const Enclosure<DoubleDouble>&) for the roots of a line in t > begin, near
+/// to far, with their enclosures in double-double, until it returns true. If the ray leaves the surface,
+/// `begin` is 0, and the root 0 is not visited; nor is it for another ray with begin = 0 if double-double
+/// does not tell the sign of F(0). A touch is visited twice. Roots behind `stop` need not be visited.
 template <class Line>
 void each_root(Line& line, double begin, double stop, bool leaves, const auto& visit) {
   const double end = line.span().max;
@@ -87,7 +87,8 @@ void each_root(Line& line, double begin, double stop, bool leaves, const auto& v
       at = deflated_start(line);
     } else {
       line.proven(MarchProof::touch, true, begin, begin);
-      if (visit(MarchedRoot{MarchedRoot::Answer::undecided, begin, begin})) return;
+      if (visit(MarchedRoot{MarchedRoot::Answer::undecided, begin, begin}, Enclosure<DoubleDouble>(begin)))
+        return;
       at = {decided_behind(line, begin)};
     }
   }
@@ -97,53 +98,48 @@ void each_root(Line& line, double begin, double stop, bool leaves, const auto& v
     const MarchedRoot root = march.root();
     if (root.answer == MarchedRoot::Answer::miss) return;
     if (root.answer == MarchedRoot::Answer::hit) {
-      if (visit(root)) return;
+      if (visit(root, march.enclosure())) return;
       line.turn_to(-line.sign());
-      at = {march.behind()};
+      at = {march.enclosure().upper};
     } else {
       // A march that does not get away from the departure has found no other root.
       const bool is_departure = may_be_departure && root.min == at.t.hi;
-      if (!is_departure && visit(root)) return;
+      if (!is_departure && visit(root, march.enclosure())) return;
       const double sign = line.sign();
       at = {decided_behind(line, root.max)};
-      if (!is_departure && line.sign() == sign && visit(root)) return;
+      if (!is_departure && line.sign() == sign && visit(root, march.enclosure())) return;
     }
     may_be_departure = false;
   }
 }
 
-/// Returns the root of F near t, a parameter of the line, for comparisons with the roots of other surfaces:
-/// enclosed in double-double, to about 2^-95 of itself, where F changes its sign and its slopes have one
-/// sign. Elsewhere the root has the error of a march: 2^-30 of itself, or 2^-30 of the size of the bounds for
-/// a ray that leaves at a grazing angle (narrowed_root).
+/// Returns a root of F, for comparisons with the roots of other surfaces, from its enclosure by a march,
+/// which has no other root. Halving narrows it to about 2^-95 of itself, as far as double-double tells the
+/// sign of F.
 template <class Line>
-[[nodiscard, gnu::noinline, gnu::cold]] ExactRoot enclosed_root(Line& line, double t) {
+[[nodiscard, gnu::noinline, gnu::cold]] ExactRoot exact_root_in(Line& line,
+                                                                const Enclosure<DoubleDouble>& root) {
   const DoubleDouble zero(0.0);
-  const double widest = enclosure_width * std::max(std::abs(t), line.extent());
-  for (double h = std::max(0x1p-53 * std::abs(t), line.resolution()); h < widest; h *= 2) {
-    DoubleDouble a = two_sum(t, -h), b = two_sum(t, h);
-    const auto at_a = line.enclosed(a), at_b = line.enclosed(b);
-    const bool falls = zero < at_a.lower && at_b.upper < zero, rises = at_a.upper < zero && zero < at_b.lower;
-    if (!falls && !rises) continue;
-    const auto slope = line.slope(a, b).slope;
-    if (!(falls ? slope.upper <= zero : zero <= slope.lower)) break;
-    /// Moves an end to a share of the segment, if the sign of F is certain there.
-    const auto take = [&](double share) {
-      const DoubleDouble m = a + DoubleDouble(share) * (b - a);
-      const auto at_m = line.enclosed(m);
-      if (zero < at_m.lower) return (falls ? a : b) = m, true;
-      if (at_m.upper < zero) return (falls ? b : a) = m, true;
-      return false;
-    };
-    // Points are off by a few 2^-104 of t; at distances down to 2^-97 signs of F are mostly still certain.
-    while ((b - a).hi > 0x1p-97 * std::abs(t)) {
-      if (take(0.5)) continue;
-      const bool moved = take(0.25);
-      if (!take(moved ? 2.0 / 3 : 0.75) && !moved) break;
-    }
-    return exact_root_between(a, b);
+  DoubleDouble a = root.lower, b = root.upper;
+  const auto at_a = line.enclosed(a), at_b = line.enclosed(b);
+  const bool falls = zero < at_a.lower || at_b.upper < zero, rises = at_a.upper < zero || zero < at_b.lower;
+  if (falls == rises) return exact_root_between(a, b);
+  /// Moves an end to a share of the segment, if the sign of F is certain there.
+  const auto take = [&](double share) {
+    const DoubleDouble m = a + DoubleDouble(share) * (b - a);
+    if (!(a < m && m < b)) return false;
+    const auto at_m = line.enclosed(m);
+    if (zero < at_m.lower) return (falls ? a : b) = m, true;
+    if (at_m.upper < zero) return (falls ? b : a) = m, true;
+    return false;
+  };
+  // Points are off by a few 2^-104 of t; at distances down to 2^-97 signs of F are mostly still certain.
+  while ((b - a).hi > 0x1p-97 * std::abs(a.hi)) {
+    if (take(0.5)) continue;
+    const bool moved = take(0.25);
+    if (!take(moved ? 2.0 / 3 : 0.75) && !moved) break;
   }
-  return {.A = 1.0, .b = t, .D = {}, .error = widest};
+  return exact_root_between(a, b);
 }
 
 }  // namespace detail

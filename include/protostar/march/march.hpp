@@ -88,8 +88,9 @@ class March {
   /// Returns the roots that have been met in double.
   [[nodiscard]] const ProvenRoots<R, M>& roots() const { return roots_; }
 
-  /// Returns a parameter behind the root of a single line, where the field is beyond 0.
-  [[nodiscard]] const DoubleDouble& behind() const { return behind_; }
+  /// Returns the enclosure of the root of a single line, with all digits. The field is above 0 where it
+  /// begins, and below 0 where it ends.
+  [[nodiscard]] const Enclosure<DoubleDouble>& enclosure() const { return enclosure_; }
 
   /// Return the t at which the march is, and the t at which it last tried balls.
   [[nodiscard]] const R& t() const { return t_; }
@@ -108,13 +109,14 @@ class March {
   }
 
   [[nodiscard]] MarchedRoot hit(const ProvenRoots<DoubleDouble, bool>& root) {
-    behind_ = root.max;
+    enclosure_ = {root.min, root.max};
     return {MarchedRoot::Answer::hit, double_below(root.min), double_above(root.max)};
   }
 
   [[nodiscard]] MarchedRoot undecided() {
     ++fallbacks.undecided;
     line_.proven(MarchProof::touch, true, t_, t_);
+    enclosure_ = {t_, t_};
     return {MarchedRoot::Answer::undecided, t_, t_};
   }
 
@@ -298,7 +300,7 @@ class March {
   R t_, known_, before_, end_;
   double stop_;
   ProvenRoots<R, M> roots_;
-  DoubleDouble behind_;
+  Enclosure<DoubleDouble> enclosure_;
 };
 
 }  // namespace detail

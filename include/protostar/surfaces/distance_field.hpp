@@ -15,10 +15,10 @@
 #include "../magnitude.hpp"
 #include "../march/field_bounds.hpp"
 #include "../march/field_lines.hpp"
-#include "../march/field_roots.hpp"
 #include "../ray_lanes.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
+#include "field_crossings.hpp"
 #include "field_jumps.hpp"
 #include "marched.hpp"
 #include "plain_field.hpp"
@@ -126,7 +126,7 @@ class Marched<F> {
   /// Calls visit(const Crossing&) for all crossings in the range, near to far. A touch is two.
   void each_crossing(const Ray& ray, Interval range, auto&& visit) const {
     NoTrace trace;
-    each(ray, range, trace, [&](const Crossing& crossing, const MarchedRoot&) {
+    crossings_of(ray).each(range, trace, [&](const Crossing& crossing, const auto&...) {
       if (lies_inside(*this, ray, crossing, range)) visit(crossing);
       return false;
     });
@@ -134,12 +134,7 @@ class Marched<F> {
 
   /// Returns a crossing, enclosed in double-double.
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
-    NoTrace trace;
-    FieldLine line(field_, setup_, ray, trace);
-    if (is_left_by(ray)) line.leave_level();
-    ExactRoot root = detail::enclosed_root(line, crossing.t / line.unit());
-    root.b = root.b * line.unit(), root.error = root.error * line.unit();
-    return root;
+    return crossings_of(ray).exact_root(crossing);
   }
 
   /// Marches along a ray, and tells a trace of each step (march_steps.hpp). Returns the first crossing in the
@@ -188,40 +183,14 @@ class Marched<F> {
   [[nodiscard]] const MarchSetup* march_setup() const { return &setup_; }
 
  private:
-  /// Calls visit(const Crossing&, const MarchedRoot&) for the crossings of a ray's line, near to far, until
-  /// it returns true, and crossings at t < 0 only if the range has some. They do not depend on the range
-  /// otherwise: it only ends the search.
-  void each(const Ray& ray, Interval range, auto& trace, const auto& visit) const {
-    if (!is_proper(ray)) return;
-    FieldLine line(field_, setup_, ray, trace);
-    const Interval span = line.span();
-    if (!(span.min < span.max)) return;
-    const bool leaves = is_left_by(ray);
-    int index = 0;
-    const auto visit_next = [&](const MarchedRoot& root) {
-      const MarchedRoot of_ray{root.answer, root.min * line.unit(), root.max * line.unit()};
-      const Crossing crossing{of_ray.t(), index++};
-      return visit(crossing, of_ray);
-    };
-    if (range.min < 0 && leaves && span.min < 0) {
-      std::vector<MarchedRoot> behind;
-      const Ray back = ray.reversed();
-      FieldLine line_back(field_, setup_, back, trace);
-      detail::each_root(line_back, 0, -range.min / line.unit(), true, [&](const MarchedRoot& root) {
-        behind.push_back({root.answer, -root.max, -root.min});
-        return false;
-      });
-      for (auto root = behind.rbegin(); root != behind.rend(); ++root)
-        if (visit_next(*root)) return;
-    }
-    const double begin = leaves ? 0 : range.min < 0 ? span.min : std::max(0.0, span.min);
-    detail::each_root(line, begin, range.max / line.unit(), leaves, visit_next);
+  [[nodiscard]] detail::FieldCrossings<F> crossings_of(const Ray& ray) const {
+    return {field_, setup_, ray, is_left_by(ray)};
   }
 
   [[nodiscard]] std::optional<std::pair<Crossing, MarchedRoot>> first_root(const Ray& ray, Interval range,
                                                                            auto& trace) const {
     std::optional<std::pair<Crossing, MarchedRoot>> first;
-    each(ray, range, trace, [&](const Crossing& crossing, const MarchedRoot& root) {
+    crossings_of(ray).each(range, trace, [&](const Crossing& crossing, const MarchedRoot& root, const auto&) {
       if (lies_inside(*this, ray, crossing, range)) first = std::pair(crossing, root);
       return first.has_value();
     });
