@@ -252,6 +252,20 @@ TEST_CASE("crossings between two doubles are told apart, and ordered among those
   CHECK(fallbacks.undecided == 0);
 }
 
+TEST_CASE("crossings at the origin of a ray that leaves no surface are taken together") {
+  // A ball and a cube around it touch at (1, 0, 0).
+  const Marched ball([](const auto& p) { return length(p) - 1.0; }, cube_bounds(2), 100);
+  const Marched cube([](const auto& p) { return max(max(abs(p.x), abs(p.y)), abs(p.z)) - 1.0; },
+                     cube_bounds(2), 100);
+  for (const Vec3& direction : {Vec3{3, 1, 1}, Vec3{-3, 1, 1}, Vec3{1, -0.3, 0.1}}) {
+    fallbacks = {};
+    const Ray ray{.origin = {1, 0, 0}, .direction = direction};
+    CHECK(crossings_of_solid(difference_of({ball, cube}), ray, everywhere).empty());
+    CHECK(crossings_of_solid(difference_of({cube, ball}), ray, everywhere).size() == 2);
+    CHECK(fallbacks.undecided > 0);
+  }
+}
+
 TEST_CASE("bounds that are empty, infinite or not numbers are refused with what was found") {
   const auto message = [](const Bounds& bounds) {
     return message_of<std::invalid_argument>([&] { Marched surface(sphere_field, bounds); });

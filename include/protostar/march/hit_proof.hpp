@@ -24,8 +24,10 @@ struct MarchedRoot {
   Answer answer = Answer::miss;
   double min = 0, max = 0;
 
-  /// Returns the middle of the enclosure, which has the sign of the root; both ends have it.
-  [[nodiscard]] double t() const { return min + 0.5 * (max - min); }
+  /// Returns the middle of the enclosure, which has the sign of the root, as both ends have; or 0 for a root
+  /// so near to 0 that its sign is not known. Roots of other surfaces there have the same t, and are compared
+  /// by their enclosures.
+  [[nodiscard]] double t() const { return min < 0 && 0 < max ? 0 : min + 0.5 * (max - min); }
 };
 
 namespace detail {
