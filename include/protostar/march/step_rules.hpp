@@ -43,14 +43,14 @@ struct StepRules {
   /// quotient g of the radii of two balls that touch, if the radius goes on to change as much. With the trend
   /// m = gain/way, the next ball has the radius r' = r + m (r + r'), so that g = (1 + m)/(1 − m): 0 where the
   /// way goes straight to a plane, m = −1, and 1 beside one. It is cut to 2^-11 … 19, for m from −0.999 to
-  /// 0.9; NaN becomes 2^-11.
+  /// 0.9. NaN becomes 2^-11, and so does the quotient below 0 of an m that rounding makes larger than 1.
   template <class R>
   [[nodiscard]] static R growth(const R& gain, const R& way) {
     return rounding::min(rounding::max(R(0x1p-11), (way + gain) / (way - gain)), R(19.0));
   }
 
-  /// Returns the next step as a multiple of the radius: the next ball touches this one after 1 + g radii, for
-  /// the growth g, of which the step takes 0.9.
+  /// Returns the next step as a multiple of the radius, 1 + 0.9 g: after 1 + g radii, with the growth g, the
+  /// next ball would just touch this one.
   template <class R>
   [[nodiscard]] static R stretch(const R& growth) {
     return R(1.0) + R(0.9) * growth;
@@ -79,9 +79,9 @@ struct StepRules {
            rounding::select(rises, bend, root - slope);
   }
 
-  /// Returns true if F falls so steeply that a proof of its fall up to the root is in sight (falls_over): the
-  /// slope, m/reach with m = (g − 1)/(g + 1) for the growth g, is at least 3/2 of what the bend takes from it
-  /// over the way to the root, which is radius/−m.
+  /// Returns true if F falls so steeply that a proof of its fall up to the root is in sight (falls_over): its
+  /// slope m/reach, with the trend m = (g − 1)/(g + 1) < 0 for the growth g, is at least 3/2 as steep as what
+  /// the bend adds to it at most over the way to the root, radius/|m|.
   template <class R>
   [[nodiscard]] static auto is_steep(const R& growth, const R& radius, const R& reach, const R& bend) {
     const R less = growth - R(1.0), more = growth + R(1.0);
