@@ -17,8 +17,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
 /// enclosed to 2^-30 of itself, nothing lies before it, and a miss is a miss. Where a ray comes nearer to the
 /// surface than double-double tells, about 2^-95, it hits, and fallbacks.undecided counts it. A ray that
-/// leaves at a grazing angle may cross the surface again so near that t is enclosed only to 2^-30 of the size
-/// of the bounds; its order among crossings of other surfaces as near is not proven.
+/// leaves at a grazing angle, or starts next to the surface and comes to it at one, may cross the surface so
+/// near that t is enclosed only to 2^-30 of the size of the bounds; its order among crossings of other
+/// surfaces as near is not proven.
 ///
 /// A field has to be continuous: one made with wrap jumps at the borders of its cells unless it looks at the
 /// neighbors too, and proofs of a field that jumps do not hold. Most jumps are found and refused, but a small
