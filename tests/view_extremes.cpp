@@ -9,14 +9,13 @@
 
 #include "support/cases.hpp"
 #include "support/catch.hpp"
+#include "support/common.hpp"
 #include "support/random.hpp"
 #include "support/wrong_cases.hpp"
 
 using namespace protostar;
 
 namespace {
-
-constexpr double u_roundoff = 0x1p-53;
 
 /// Returns a number from 2^-400 to 2^398.
 double magnitude(Random& random) { return std::exp2(random.real(-400, 398)); }
@@ -40,12 +39,12 @@ Vec3 direction_of(const Vec3& v) { return v == Vec3{0} ? Vec3{0, 0, 1} : normali
 /// without light have an infinite density.
 bool is_sound(const auto& view) {
   const double solid_angle = view.solid_angle();
-  if (!(0 <= solid_angle && solid_angle <= 4 * std::numbers::pi * (1 + 8 * u_roundoff))) return false;
-  constexpr double low = 0x1p-54, high = 1 - u_roundoff;
+  if (!(0 <= solid_angle && solid_angle <= 4 * std::numbers::pi * (1 + 4 * ulp))) return false;
+  constexpr double low = 0x1p-54, high = 1 - ulp / 2;
   for (const double u : {low, 0x1p-33, 0.3, 0.5, 1 - 0x1p-33, high})
     for (const double v : {low, 0.25, 0.5, 0.7, high}) {
       const auto [direction, distance, density] = view.sample(u, v);
-      if (!(std::abs(length(direction) - 1) < 40 * u_roundoff)) return false;
+      if (!(std::abs(length(direction) - 1) < 20 * ulp)) return false;
       if (!(0 <= distance && distance < infinity && density > 0)) return false;
       if (solid_angle > 0x1p-1000 && !(density < infinity)) return false;
     }
