@@ -112,7 +112,7 @@ class AreaLight {
     });
   }
 
-  /// Returns the radiance that a hit shows of the given primitive of this light: black if it is on another.
+  /// Returns the radiance of this light if a hit is on the given primitive of it, otherwise black.
   [[nodiscard]] Color shown_by(const Intersection& seen, std::size_t primitive) const {
     return is_hit(seen, primitive) ? emission_ : Color{0};
   }

@@ -49,15 +49,15 @@ struct ReflectedLight {
   }
 };
 
-/// Factors by which a surface reflects the radiance from one direction.
+/// Factors by which the radiance from one direction becomes ReflectedLight.
 struct LightShare {
-  double matte = 0;  ///< of the irradiance over π
-  Color glossy{0};   ///< of the radiance that the glossy lobe reflects
+  double matte = 0;  ///< for ReflectedLight::matte
+  Color glossy{0};   ///< for ReflectedLight::glossy
 
-  /// Returns true if light from there is reflected at all.
+  /// Returns true if light from that direction is reflected at all.
   [[nodiscard]] bool counts() const { return matte > 0 || !is_black(glossy); }
 
-  /// Returns the light that a radiance brings.
+  /// Returns the light that a radiance from that direction becomes.
   [[nodiscard]] ReflectedLight of(const Color& radiance) const {
     return {matte > 0 ? clamped(radiance * to_float(matte)) : Color{0}, clamped(radiance * glossy)};
   }

@@ -62,7 +62,8 @@ struct ChosenLight {
   double rest = 0;  ///< number in [0, 1] for a direction to the light
 };
 
-/// Vertex of a path, at a hit whose material scatters light, and the ray from there to an area light.
+/// Vertex of a path, at a hit whose material scatters light, and the ray from there to an area light. Borrows
+/// the hit. The integrator sets `chosen`, and then calls aim().
 struct PathVertex {
   const Intersection& hit;
   VertexNumbers numbers;
@@ -80,8 +81,8 @@ struct PathVertex {
     if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
   }
 
-  /// Points the ray to the chosen light, if that is an area light: in a direction that has been drawn, or
-  /// else that the fourth number and the rest of the third draw.
+  /// Points the ray to the chosen light, if that is an area light: in the direction `drawn`, or else in one
+  /// drawn by the rest of the third number and the fourth.
   void aim(const std::optional<LightSample>& drawn = {}) {
     const AreaLight* const area = chosen.area;
     if (area == nullptr) return;
@@ -92,8 +93,8 @@ struct PathVertex {
     if (share.counts()) at.leave(sample.direction, to_light.emplace());
   }
 
-  /// Returns the radiance of the chosen area light that the ray to it has found: black if it has `seen`
-  /// another surface.
+  /// Returns the radiance that the ray to the chosen area light finds where it hits: that of the light, or
+  /// black if it hits another surface.
   [[nodiscard]] Color shown_by(const Intersection& seen) const {
     return chosen.area->shown_by(seen, primitive);
   }

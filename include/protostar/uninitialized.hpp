@@ -8,8 +8,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Room for n values of a type without a destructor, none of which is constructed: a std::array would clear
-/// all of it. The user constructs those that are needed, by new (&room[k]) T(...), and remembers which.
+/// Room for n values of a type that needs no destructor, none of which is constructed: a std::array would
+/// construct all of them. The user constructs those that are needed, by new (&room[k]) T(...), and remembers
+/// which.
 template <class T, std::size_t n>
 class Uninitialized {
  public:

@@ -2,8 +2,8 @@
 //
 // All paths of a wave have come equally far, so that they take the same set of their samplers, and its
 // numbers and the directions to which they lead are drawn in lanes; so are directions to rectangles that
-// shine, and in scenes of few surfaces the rays of the paths and those to lights are traced in lanes. All
-// else is done path by path: without the lanes, a wave takes as long as its paths one after the other.
+// shine, and in scenes of few surfaces the rays of the paths and those to area lights are traced in lanes.
+// All else is done path by path: without the lanes, a wave takes as long as its paths one after the other.
 #pragma once
 
 #include <algorithm>

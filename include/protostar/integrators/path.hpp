@@ -47,8 +47,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// to at most 1, no path weighs more than 1. Rays to lights have weights without such a bound, as lights are
 /// chosen by their power.
 struct PathIntegrator : FirstHit<PathIntegrator> {
-  /// Says that it follows paths of several pixels together, and lets several meet their hits at once. It
-  /// names its own type (accel/packet_integrator.hpp).
+  /// Say that the integrator follows paths of several pixels together, and lets several of them meet their
+  /// hits at once (accel/packet_integrator.hpp). Both name its own type.
   using FollowsPaths = PathIntegrator;
   using MeetsTogether = PathIntegrator;
 
@@ -141,9 +141,9 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return go_on(path, vertex, scene, radiance);
   }
 
-  /// Lets as many paths as there are lanes, or fewer, meet their hits: as meet(path(k), hit(k), scene, …)
-  /// with numbers(k), whose result becomes goes_on[k]. Directions to a rectangle are drawn together, and the
-  /// rays to area lights are traced together.
+  /// Lets `count` paths, at most as many as there are lanes, meet their hits: path(k) as by meet(path(k),
+  /// hit(k), scene, draw), whose result becomes goes_on[k], with numbers(k) as the result of draw().
+  /// Directions to a rectangle are drawn together, and the rays to area lights are traced together.
   void meet_each(std::size_t count, const auto& path, const auto& hit, const auto& numbers, const auto& scene,
                  std::span<bool> goes_on) const {
     constexpr auto lanes = static_cast<std::size_t>(simd::double_lanes);
@@ -212,8 +212,8 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return {&lights.lights()[index], probability * share, rest};
   }
 
-  /// Draws directions to rectangles for some vertices at once: to each that two or more of them have chosen.
-  /// drawn[k] gets the direction of the k-th, if one is drawn.
+  /// Draws directions to rectangles for some vertices at once: to each rectangle that two or more have
+  /// chosen. drawn[k] gets the direction of the k-th, if one is drawn.
   template <std::size_t most>
   static void draw_to_rectangles(const std::array<PathVertex*, most>& vertices,
                                  std::array<std::optional<LightSample>, most>& drawn) {
@@ -238,8 +238,8 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     }
   }
 
-  /// Adds the light that a vertex reflects to path.sum, if its ray to an area light has found this radiance,
-  /// and chooses how the path goes on, along path.ray; returns false if it ends.
+  /// Adds the light that a vertex reflects to path.sum, and chooses how the path goes on, along path.ray;
+  /// returns false if it ends. `radiance` is what the vertex's ray to an area light has found, or black.
   [[nodiscard]] bool go_on(Path& path, const PathVertex& vertex, const auto& scene,
                            const Color& radiance) const {
     const Reflector& at = vertex.at;

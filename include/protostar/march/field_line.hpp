@@ -257,7 +257,7 @@ class FieldLine {
   }
 
  private:
-  /// Tells the trace of an evaluation over [a, b] of this line, and a trace that takes results of these.
+  /// Tells the trace of an evaluation over [a, b] of this line, and a MarchListener also of its result.
   void tell(Evaluation kind, const DoubleDouble& a, const DoubleDouble& b, const auto&... result) {
     if constexpr (std::is_base_of_v<MarchListener, Trace>)
       trace_.evaluated(kind, told(a), told(b), {static_cast<double>(result)...});

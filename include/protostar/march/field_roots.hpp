@@ -71,9 +71,10 @@ template <class Line>
 }
 
 /// Calls visit(const MarchedRoot&, const Enclosure<DoubleDouble>&) for the roots of a line in t > begin, near
-/// to far, with their enclosures in double-double, until it returns true. If the ray leaves the surface,
-/// `begin` is 0, and the root 0 is not visited; nor is it for another ray with begin = 0 if double-double
-/// does not tell the sign of F(0). A touch is visited twice. Roots behind `stop` need not be visited.
+/// to far, with their enclosures in double-double, until it returns true. If double-double does not tell the
+/// sign of F(begin), `begin` is visited as a root, too, unless it is 0, as for a ray that leaves the surface.
+/// A touch behind it, with the same sign of F on both sides, is visited twice. Roots behind `stop` need not
+/// be visited.
 template <class Line>
 void each_root(Line& line, double begin, double stop, bool leaves, const auto& visit) {
   const double end = line.span().max;
@@ -113,9 +114,9 @@ void each_root(Line& line, double begin, double stop, bool leaves, const auto& v
   }
 }
 
-/// Returns a root of F, for comparisons with the roots of other surfaces, from its enclosure by a march,
-/// which has no other root. Halving narrows it to about 2^-95 of itself, as far as double-double tells the
-/// sign of F.
+/// Returns a root of F, for comparisons with the roots of other surfaces, from its enclosure by a march, in
+/// which there is no other root. Halving narrows it to about 2^-95 of itself, as far as double-double tells
+/// the sign of F. F changes its sign at the root, so that the sign at one end tells that at the other.
 template <class Line>
 [[nodiscard, gnu::noinline, gnu::cold]] ExactRoot exact_root_in(Line& line,
                                                                 const Enclosure<DoubleDouble>& root) {

@@ -17,7 +17,7 @@ inline constexpr double enclosure_width = Roots::relative_error;
 struct MarchedRoot {
   enum class Answer : std::uint8_t {
     miss,      ///< proven: no crossing
-    hit,       ///< proven: the first crossing lies in [min, max], and the field is beyond 0 at max
+    hit,       ///< proven: the first crossing lies in [min, max], which is rounded outward to doubles
     undecided  ///< the field comes nearer to 0 at [min, max] than double-double tells; taken for a hit
   };
 
@@ -155,8 +155,8 @@ template <class Line, class R, class M>
 /// leaves a segment of 2^-44, less than 2^-42. Every three steps halve the segment if the sign in its middle
 /// is certain, and leave ¾ of it otherwise: 200 steps halve it 66 times, more often than a double has digits.
 ///
-/// B is the number type of enclosures and of a and b. The values are taken at doubles, since double-double
-/// parameters are only needed between two of these, where nothing is left to be narrowed.
+/// B is the number type of the enclosures, of a and of b. Between a and b, values are taken at doubles alone:
+/// where the segment lies between two doubles, it is narrow enough already.
 template <class B, class Line, class M>
 [[nodiscard]] ProvenRoots<B, M> narrowed_root(Line& line, M open, B a, B b) {
   using R = typename Line::Number;

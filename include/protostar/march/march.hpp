@@ -64,7 +64,7 @@ class March {
   }
 
   /// Returns the first root of a single line whose march goes on in double-double, from t. `before` is the t
-  /// at which the march last tried balls.
+  /// at which the march last tried balls, or -infinity if it has not.
   [[nodiscard]] MarchedRoot precise_root(DoubleDouble t, double before) {
     for (;;) {
       ProvenRoots<DoubleDouble, bool> root;
@@ -73,12 +73,13 @@ class March {
       if (root.met) return hit(root);
       if (after.fail) return undecided();
       if (!after.are_worth_balls) return {};
-      // Far away, where double proves nothing on the whole line, many roots may lie between two doubles.
+      // Far away, where double proves nothing on the whole line, the way from t_ to t may have roots that
+      // were found before: the march goes on from t.
       if (!(line_.error() < infinity)) continue;
-      // Elsewhere F > 0 from t_ to t as well. Where balls are faster again, F(t) is above 128 of its errors,
-      // of which one is more than F changes by over two last places of t. Otherwise t is 2^-8 of the extent
-      // beyond where this march by segments began, more than ten last places where the error is finite, or
-      // has doubled.
+      // Elsewhere F > 0 from t_ to t as well, and the march goes on from t_ in double. Where balls are faster
+      // again, F(t) is above 128 of its errors, and one error is more than F changes by over two last places
+      // of t. Otherwise this march by segments has brought t farther than a last place: to twice its value,
+      // or by 2^-8 of the extent, more than ten last places where the error is finite.
       if (!(t_ > before)) return undecided();
       if (!in_double(true)) return found();
       t = t_, before = before_;
@@ -88,8 +89,8 @@ class March {
   /// Returns the roots that have been met in double.
   [[nodiscard]] const ProvenRoots<R, M>& roots() const { return roots_; }
 
-  /// Returns the enclosure of the root of a single line, with all digits. The field is above 0 where it
-  /// begins, and below 0 where it ends.
+  /// Returns the enclosure of the root of a single line, with all digits. F is above 0 where it begins and
+  /// below 0 where it ends; for an undecided root both ends are the t of the march.
   [[nodiscard]] const Enclosure<DoubleDouble>& enclosure() const { return enclosure_; }
 
   /// Return the t at which the march is, and the t at which it last tried balls.
@@ -130,16 +131,16 @@ class March {
     return found.met;
   }
 
-  /// Sets the parameter of the march to t, as the way there is proven empty. Returns the lanes that are to go
-  /// farther: a march ends at the end of its line, and where no more of it is wanted.
+  /// Sets the parameter `at` of the march to t, as the way there is proven empty. Returns the lanes that are
+  /// to go farther: a march ends at the end of its line, and where no more of it is wanted.
   template <class B>
   M advance(B& at, M lanes, const B& t) const {
     at = select(lanes, t, at);
     return lanes && !(B(end_) <= t || B(stop_) <= t);
   }
 
-  /// Returns t + h. In double-double the sum is rounded to double, so that a march goes on in double from
-  /// there, unless h is below 2^-50 of t: then rounding could change it by an eighth or more.
+  /// Returns t + h. In double-double the sum is rounded to double, so that a march may go on in double from
+  /// there, unless h is below 2^-50 of t: then rounding could change the step by an eighth of it or more.
   [[nodiscard]] static R stepped(const R& t, const R& h) { return t + h; }
   [[nodiscard]] static DoubleDouble stepped(const DoubleDouble& t,
                                             double h) requires std::same_as<R, double> {
@@ -232,10 +233,10 @@ class March {
     return to_segments;
   }
 
-  /// Marches by segments from t, with enclosures in B, in the lanes `live`, until balls are faster again, B
-  /// proves nothing more, a root is met, or the march ends. A segment is empty if enclosures of its values
-  /// and slopes prove it (SegmentProof). It has one root if F falls all along and is below 0 at its end;
-  /// narrowed_root narrows it. All other segments are halved.
+  /// Marches by segments from the parameter `at`, with enclosures in B, in the lanes `live`, until balls are
+  /// faster again, B proves nothing more, a root is met, or the march ends. A segment is empty if enclosures
+  /// of its values and slopes prove it (SegmentProof). It has one root if F falls all along and is below 0 at
+  /// its end; narrowed_root narrows it. All other segments are halved.
   template <class B>
   [[nodiscard]] Segments march_by_segments(B& at, ProvenRoots<B, M>& roots, M live) {
     using E = Enclosure<B>;

@@ -40,10 +40,10 @@ struct NoTrace {
 struct MarchSetup;
 
 /// Trace that is called through virtual functions, so that one can be given to a march of any field. It takes
-/// parameters t with all of their digits; others take the nearest doubles. Its evaluated() takes the result
-/// of the evaluation as well: an enclosure of the value, or for a plain value in double that value as both
-/// ends, with the error that the surface's set-up bounds; and an enclosure of the slope by t, or 0 where no
-/// slope was evaluated. Results have the sign that makes F > 0 where the march comes from.
+/// parameters t with all of their digits; other traces take the nearest doubles. Its evaluated() takes the
+/// result of the evaluation as well: an enclosure of the value, or for a plain value in double that value as
+/// both ends, with the error that the surface's set-up bounds; and an enclosure of the slope by t, or 0 where
+/// no slope was evaluated. Results have the sign that makes F > 0 where the march comes from.
 class MarchListener {
  public:
   /// Enclosures by their ends, which are rounded to double if they are in double-double.

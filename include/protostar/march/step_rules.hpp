@@ -32,10 +32,10 @@ struct StepRules {
   static constexpr int most_failed = 3;
 
   /// Most segments of a march between two looks at balls. A march creeps if they bring it farther neither by
-  /// least_progress of the extent nor to twice its t, as a ray that leaves along the surface comes: in double
-  /// it goes on in double-double, and there it is undecided. The way through the box is at most 2√3 extents,
-  /// along a diagonal, and t doubles fewer than 2^11 times in the range of double, so that fewer than 2^12
-  /// looks find progress in each precision.
+  /// least_progress of the extent nor to twice its t; by the second, a ray that leaves along the surface gets
+  /// on from a small t. A march that creeps in double goes on in double-double, and there it is undecided.
+  /// The way through the box is at most 2√3 extents, along a diagonal, and t doubles fewer than 2^11 times in
+  /// the range of double, so that fewer than 2^12 looks find progress in each precision.
   static constexpr int most_segments = 3000;
   static constexpr double least_progress = 0x1p-8;
 

@@ -74,9 +74,9 @@ class DiskView {
     farthest_ = std::sqrt(far * far + h * h);
     if (!(h > 0 && l1l2 > 0)) return;
 
-    // Beside the disk, h² and μ have the factor h². There H = 2^-k h of about √h takes its place, and
-    // quotients stay the same: the square of a small height would underflow, but not before the solid angle
-    // does.
+    // Beside the disk, h² and μ have the factor h², which would underflow where the solid angle, about in
+    // proportion to h, is far from that. There H = 2^-k h, about √h, stands for h in both, and their
+    // quotients stay the same.
     const int k = s < 0 ? 0 : exponent_of({{h, 0, 0}}) / 2;
     const double H = scaled(h, -k), large = (l1l2 + std::abs(s)) / 2, small = R * H / large * (R * H);
     const double lambda = s < 0 ? small : large, mu = s < 0 ? large : small;

@@ -61,13 +61,13 @@ class TriangleView {
         most = cosine, B = i;
     const std::size_t A = (B + 1) % 3, C = (B + 2) % 3;
 
-    // Each vector and each product is scaled by a power of two of its own, which the quotients contain again:
-    // edges may be of any sizes, and the point as close to a corner.
+    // Each vector and each product is scaled by a power of two of its own, since edges may have any sizes,
+    // and the point any distance from a corner; the quotients below take these powers back.
     const ModerateVector BA(scaled_difference(corners[A], corners[B], -exponent_)),
         BC(scaled_difference(corners[C], corners[B], -exponent_));
     const ModerateVector area(cross(BC.vector, BA.vector));
-    // The products with the plane and the edges are those of the vectors to any of their corners. One that is
-    // much nearer than B leaves more of the digits.
+    // The triple product is the same with the vector to any corner, and a cross product with an edge the same
+    // with that to either end. A corner that is about 2^48 times nearer than B, or more, leaves more digits.
     const auto nearest = [&](std::size_t one, std::size_t other) {
       return exponents[other] < exponents[one] - 48 ? other : one;
     };
@@ -80,8 +80,10 @@ class TriangleView {
     if (!(std::abs(volume.hi) > 0 && size_c > 0 && size_a > 0)) return;
     const int exponent_c = on_c.exponent - to[B].exponent + across_c.exponent,
               exponent_a = on_a.exponent - to[B].exponent + across_a.exponent;
-    // On the line AB up to rounding, the normal of PAB has few digits or none. Elsewhere it is perpendicular
-    // to PA up to 6u, and it is made so where it is not, since otherwise directions would be no unit vectors.
+    // `across`, the normal of the plane through AB and the point, is perpendicular to the direction to A up
+    // to 6u, unless the point is so near to the line AB that digits are lost. With fewer than 24 bits left,
+    // the point counts as on the line; with fewer than 48, `across` is made perpendicular, so that directions
+    // are unit vectors.
     Vec3 across = across_c.vector.rounded() / size_c;
     const double off = dot(across, unit[A]);
     if (std::abs(off) > 0x1p-24) return;
@@ -91,7 +93,7 @@ class TriangleView {
     const double sine = scaled(std::abs(volume.hi) / size_c * length(to_b) / size_a,
                                area.exponent + on_plane.exponent - to[B].exponent - exponent_c - exponent_a);
     const double cosine = dot(across, across_a.vector.rounded() / size_a);
-    // The sum of the squares is 1 if there are digits, and may be anything if there are none.
+    // The sum of the squares is about 1 if any of their digits are right, and may be anything otherwise.
     if (const double one = sine * sine + cosine * cosine; !(0x1p-100 < one && one < 0x1p100)) return;
     half_beta_ = half_angle(sine, cosine);
     sine_beta_ = 2 * half_beta_.sine * half_beta_.cosine;

@@ -13,8 +13,8 @@
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
 /// Crossings of a ray with the surface of a field. A search goes along the ray, or its whole line, and
-/// numbers what it finds: even numbers along the ray, odd ones along the line, as the last digits of t may
-/// differ.
+/// numbers what it finds: by even numbers along the ray and by odd ones along the line, since the two may
+/// find the same crossing with other last digits of t.
 template <class F>
 class FieldCrossings {
  public:
@@ -22,10 +22,11 @@ class FieldCrossings {
   FieldCrossings(const F& field, const MarchSetup& setup, const Ray& ray, bool leaves)
       : field_(field), setup_(setup), ray_(ray), leaves_(leaves) {}
 
-  /// Calls visit(const Crossing&, const MarchedRoot&, const Enclosure<DoubleDouble>&) for the crossings, near
-  /// to far, until it returns true, and crossings at t < 0 only if the range has some. They do not depend on
-  /// the range otherwise: it only ends the search. The root and t are those of the ray; the last argument
-  /// encloses the parameter of a FieldLine, with all digits.
+  /// Calls visit(const Crossing&, const MarchedRoot&, const Enclosure<DoubleDouble>&) for the crossings, by
+  /// increasing t, until it returns true. If the range has parameters below 0, the search is along the whole
+  /// line; otherwise it is along the ray, from t = 0. Besides that, the range only ends the search, and
+  /// changes no digit of t. The first two arguments have parameters of the ray; the third encloses that of
+  /// the FieldLine, with all digits.
   void each(Interval range, auto& trace, const auto& visit) const {
     if (!is_proper(ray_)) return;
     FieldLine line(field_, setup_, ray_, trace);
@@ -55,8 +56,8 @@ class FieldCrossings {
   /// Returns the root of a crossing, narrowed in double-double. A ray may cross the surface several times at
   /// one t, so the search that found it is made again, and the crossing known by its t and number. One that
   /// comes from a march in lanes has the number 0, and is the first with its t. Where double-double does not
-  /// tell that the surface is crossed, the root has the error of a march: 2^-30 of itself, or of the size of
-  /// the bounds.
+  /// tell that the surface is crossed, the root has the error of a march: 2^-30 of itself, or of half the
+  /// size of the bounds if that is more.
   [[nodiscard]] ExactRoot exact_root(const Crossing& crossing) const {
     NoTrace trace;
     FieldLine line(field_, setup_, ray_, trace);

@@ -17,8 +17,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// it the library derives how fast it changes, and how much it is rounded, and each hit is proven: t is
 /// enclosed to 2^-30 of itself, nothing lies before it, and a miss is a miss. Where a ray comes nearer to the
 /// surface than double-double tells, about 2^-95, it hits, and fallbacks.undecided counts it. A ray that
-/// leaves at a grazing angle, or starts next to the surface and comes to it at one, may cross the surface so
-/// near that t is enclosed only to 2^-30 of the size of the bounds; its order among crossings of other
+/// leaves at a grazing angle, or starts next to the surface and comes to it at such an angle, may cross it
+/// so near that t is enclosed only to 2^-30 of the size of the bounds; its order among crossings of other
 /// surfaces as near is not proven.
 ///
 /// A field has to be continuous: one made with wrap jumps at the borders of its cells unless it looks at the
@@ -29,8 +29,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 template <class F>
 class Marched;
 
-/// Surface of a field that is a constant, as decltype(field) names it: Scene<Marched<decltype(field)>> takes
-/// Marched{field, ...}.
+/// Surface of a field whose type is const, as decltype names that of `const auto field = ...`:
+/// Scene<Marched<decltype(field)>> takes Marched{field, ...}.
 template <class F>
 class Marched<const F> : public Marched<F> {
  public:

@@ -28,7 +28,7 @@ concept PlainField = !DistanceField<F> && std::copy_constructible<F> && requires
 /// Surface of a plain function of a point, marched without a proof. The user's constant says how fast the
 /// function changes at most: |f(p) − f(q)| ≤ lipschitz · |p − q|. If it does not hold, a ray may pass through
 /// the surface. Even if it holds, nothing is proven: a ray hits where it comes closer to the surface than
-/// 2^-40 of the bounds' size, and while a ray that starts is as close, it hits nothing.
+/// 2^-40 of the bounds' size; a ray that starts as close as that hits nothing before it has got away.
 template <PlainField F>
 class Marched<F> {
  public:
