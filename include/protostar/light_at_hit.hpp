@@ -92,7 +92,7 @@ struct Reflector {
 
   /// Returns the share of the light from a unit direction that was drawn with a density in 1/steradian, times
   /// a weight: 1 over the expected number of rays to that light. Counts the ray there (light_rays): it has to
-  /// be traced if the share counts.
+  /// be traced if the share counts. It is always inlined, as frame_around is.
   [[nodiscard, gnu::always_inline]] LightShare share_of_ray(const Vec3& direction, double density,
                                                             double weight) const {
     // The limit is a float, so that black stays black, and no light that is likely to be chosen exceeds it.
