@@ -5,7 +5,8 @@
 #include "support/random.hpp"
 
 using namespace protostar;
-using simd::LaneMask, simd::ConeToLight, simd::Occluders, simd::RayPacket, simd::SphereAround, simd::Vectors;
+using simd::LaneMask, simd::ConeToLight, simd::Occluders, simd::RayPacket, simd::SeenFrom, simd::SphereAround,
+    simd::Vectors;
 
 namespace {
 
@@ -46,15 +47,17 @@ TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
     const Point light = random.point(far), place = light + 10.0 * random.direction();
     const RayPacket first = to_light(random, light, place, 0.2),
                     others = to_light(random, light, place, 1.2 * apart * apart);
-    const ConeToLight cone(first, true);
+    const SeenFrom seen(light, first, true);
+    const ConeToLight cone(seen);
     REQUIRE(cone.is_cone());
-    REQUIRE(cone.holds(first, true));
+    REQUIRE(cone.holds(seen));
     const auto half_spaces = cone.half_spaces();
     // Spheres that are hit by 1e-9 of their radius, and others around the ray.
     for (int k = 0; k < 20; ++k) {
       const int lane = k % simd::double_lanes;
       const LaneMask alone = simd::mask_of<double, simd::double_lanes>(simd::Bits{1} << lane);
-      if (!cone.holds(others, alone)) continue;
+      const SeenFrom one(light, others, alone);
+      if (!cone.holds(one)) continue;
       const Ray ray = others[lane];
       const double radius = std::pow(10, random.real(-3, 1));
       const Vec3 aside = normalize(cross(ray.direction, random.direction()));
@@ -70,7 +73,7 @@ TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
         REQUIRE(visits <= 1);
         return visits == 1;
       };
-      const bool kept_within = is_within(cone.around(others, alone));
+      const bool kept_within = is_within(cone.around(one));
       if (first_crossing(sphere, ray, Interval{0, 1})) {
         ++met;
         REQUIRE(kept);
@@ -89,21 +92,24 @@ TEST_CASE("a cone to a light keeps every sphere that a ray inside it hits") {
 TEST_CASE("rays that do not end at a cone's apex, or start outside the cone, are not inside it") {
   Random random(12);
   const Point light{1, 2, 3};
-  const RayPacket rays = to_light(random, light, {1, 2, 13}, 0.1);
-  const ConeToLight cone(rays, true);
-  CHECK(cone.holds(rays, true));
-  CHECK_FALSE(cone.holds(to_light(random, light + Vec3{1e-6, 0, 0}, {1, 2, 13}, 0.1), true));
-  CHECK_FALSE(cone.holds(to_light(random, light, {1, 2, 17}, 0.1), true));
-  CHECK_FALSE(cone.holds(to_light(random, light, {3, 2, 13}, 0.1), true));
-  CHECK_FALSE(cone.holds(to_light(random, light, {1, 2, -7}, 0.1), true));
-  CHECK_FALSE(ConeToLight().holds(rays, true));
+  const auto seen = [&](const Point& end, const Point& place) {
+    return SeenFrom(light, to_light(random, end, place, 0.1), true);
+  };
+  const SeenFrom rays = seen(light, {1, 2, 13});
+  const ConeToLight cone(rays);
+  CHECK(cone.holds(rays));
+  CHECK_FALSE(cone.holds(seen(light + Vec3{1e-6, 0, 0}, {1, 2, 13})));
+  CHECK_FALSE(cone.holds(seen(light, {1, 2, 17})));
+  CHECK_FALSE(cone.holds(seen(light, {3, 2, 13})));
+  CHECK_FALSE(cone.holds(seen(light, {1, 2, -7})));
+  CHECK_FALSE(ConeToLight().holds(rays));
 }
 
 TEST_CASE("spheres around the light, or too large or small for float, are kept by every cone to it") {
   Random random(16);
   const Point light{1, 2, 3};
-  const RayPacket rays = to_light(random, light, {1, 2, 13}, 0.1);
-  const ConeToLight cone(rays, true);
+  const SeenFrom rays(light, to_light(random, light, {1, 2, 13}, 0.1), true);
+  const ConeToLight cone(rays);
   simd::InCone in_cone;
   in_cone.add(0, cone.seen({Point{0}, infinity}));
   in_cone.add(1, cone.seen({light + Vec3{0, 0, -2}, 2.5}));
@@ -111,29 +117,69 @@ TEST_CASE("spheres around the light, or too large or small for float, are kept b
   in_cone.add(3, cone.seen({light + Vec3{1e-100, 0, 0}, 1e-120}));
   in_cone.add(4, cone.seen({light + Vec3{0, 0, -2}, 1.5}));
   std::vector<int> indices;
-  in_cone.each_within(cone.around(rays, true), [&](int index) { indices.push_back(index); });
+  in_cone.each_within(cone.around(rays), [&](int index) { indices.push_back(index); });
   CHECK(indices == std::vector<int>{0, 1, 2, 3});
 }
 
 TEST_CASE("a list of occluders may be of any length") {
   Random random(17);
-  const RayPacket rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
-  const ConeToLight cone(rays, true);
+  const SeenFrom rays(Point{0}, to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1), true);
+  const ConeToLight cone(rays);
   for (int count = 0; count < 70; ++count) {
     simd::InCone in_cone;
     for (int i = 0; i < count; ++i) in_cone.add(i, cone.seen({Point{i % 3 == 0 ? 4.0 : 0.0, 0, 5}, 0.5}));
     std::vector<int> indices, expected;
-    in_cone.each_within(cone.around(rays, true), [&](int index) { indices.push_back(index); });
+    in_cone.each_within(cone.around(rays), [&](int index) { indices.push_back(index); });
     for (int i = 0; i < count; ++i)
       if (i % 3 != 0) expected.push_back(i);
     CHECK(indices == expected);
   }
 }
 
+TEST_CASE("a cone keeps a sphere that a ray at its very edge touches from outside") {
+  // Rays of one plane on both sides of the cone's edge, closer and closer to it, and for each a sphere beside
+  // the cone that it touches within 2^-40 of the distance.
+  const Point light{0};
+  RayPacket first(Vectors(Point{0, 0, 8}), Vectors(Vec3{0, 0, -8}));
+  const ConeToLight cone(SeenFrom(light, first, true));
+  const double edge = cone.sine() / cone.cosine();
+  int inside = 0, outside = 0;
+  for (int power = -56; power < -20; ++power)
+    for (const double side : {-1.0, 1.0}) {
+      const Point from{8 * edge * (1 + side * std::ldexp(1, power)), 0, 8};
+      const RayPacket rays(Vectors(from), Vectors(light - from));
+      if (!cone.holds(SeenFrom(light, rays, true))) {
+        ++outside;
+        continue;
+      }
+      ++inside;
+      const Vec3 aside = normalize(Vec3{8, 0, -from.x});
+      const double radius = 0.25;
+      const SphereAround around{0.5 * from + radius * (1 - 0x1p-44) * aside, radius};
+      CHECK(first_crossing(Sphere{around.center, radius}, rays[0], Interval{0, 1}));
+      CHECK(cone.may_hold(cone.seen(around)));
+      CHECK(is_inside(cone.half_spaces(), around));
+    }
+  CHECK(inside > 8);
+  CHECK(outside > 30);
+}
+
+TEST_CASE("rays that begin at the light, or too near it for squares, are in no cone") {
+  const Point light{0};
+  const auto seen = [&](double distance) {
+    return SeenFrom(light, RayPacket(Vectors(Point{0, 0, distance}), Vectors(Vec3{0, 0, -distance})), true);
+  };
+  const ConeToLight cone(seen(1));
+  CHECK(cone.holds(seen(0x1p-199)));
+  for (const double distance : {0x1p-200, 0x1p-300, 0x1p-600, 0.0}) CHECK_FALSE(cone.holds(seen(distance)));
+  for (const double distance : {0x1p-300, 0x1p-600, 0.0, 0x1p300, 0x1p600, 0x1p1000})
+    CHECK_FALSE(ConeToLight(seen(distance)).is_cone());
+}
+
 TEST_CASE("there is no cone for rays from all sides") {
   Random random(13);
   if (simd::double_lanes > 1)
-    CHECK_FALSE(ConeToLight(to_light(random, {0, 0, 0}, {0, 0, 0}, 5), true).is_cone());
+    CHECK_FALSE(ConeToLight(SeenFrom(Point{0}, to_light(random, {0, 0, 0}, {0, 0, 0}, 5), true)).is_cone());
 }
 
 TEST_CASE(

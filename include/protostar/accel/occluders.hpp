@@ -18,24 +18,44 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// Chosen rays of a packet as seen from an apex, a point at which they may end.
+struct SeenFrom {
+  Point apex;
+  Vectors to_origin;  ///< from the apex to the rays' origins
+  Doubles squares;    ///< of the distances of the origins
+  Doubles beside;     ///< squares of the distances at which the rays end beside the apex
+  LaneMask which;     ///< chosen rays: one at least
+
+  SeenFrom(const Point& from, const RayPacket& rays, LaneMask chosen)
+      : apex(from),
+        to_origin(rays.origin - Vectors(from)),
+        squares(dot(to_origin, to_origin)),
+        which(chosen) {
+    const Vectors end = rays.origin + rays.direction - Vectors(from);
+    beside = dot(end, end);
+  }
+};
+
 /// Round cone up to a distance from its apex, with all points no farther than drift from it. A segment from a
 /// point of the cone to the apex lies in it; one that ends beside the apex is at most as far beside that
 /// segment.
 ///
 /// drift is 2^-44 of the size of points, |apex| + length. Origins and ends of rays are accurate to 2^-51 of
-/// this, and so are comparisons of lengths; the tolerance of holds(), drift/4, is well inside.
+/// this; the tolerance of holds(), drift/4, is well inside.
+///
+/// Angles are compared by the squares of their cosines, without roots and quotients, for which a packet would
+/// wait. With u = 2^-53, these are off by less than 32u: a dot product by 3u of the lengths' product, which
+/// counts twice in its square, the square of a length by 3u, the axis by 3u of its length, which counts
+/// twice, and products and quotients by 6u.
 class ConeToLight {
  public:
   ConeToLight() = default;  ///< holds nothing
 
-  /// Makes a cone for the chosen rays in 0 < t < 1 that end together, and similar ones: the sine of its
-  /// half-angle is `wide` · (that of theirs + 2^-9), and it is a quarter longer. It holds nothing if the
-  /// half-angle is 30° or more, or if lengths are extreme; holds() is false for rays that do not end
-  /// together. Precondition: a ray is chosen.
-  ConeToLight(const RayPacket& rays, LaneMask which, double wide = 4) {
-    const int first = std::countr_zero(bits(which));
-    apex_ = rays.origin[first] + rays.direction[first];
-    set(rays, which);
+  /// Makes a cone for rays in 0 < t < 1 that end together, and similar ones: the sine of its half-angle is
+  /// `wide` · (that of theirs + 2^-9), and it is a quarter longer. It holds nothing if the half-angle is 30°
+  /// or more, or if lengths are extreme; holds() is false for rays that do not end together.
+  explicit ConeToLight(const SeenFrom& rays, double wide = 4) : apex_(rays.apex) {
+    set(rays);
     drift_ = 0x1p-44 * (glm::length(apex_) + 1.25 * length_);
     sine_ = wide * (sine_ + 0x1p-9);
     cosine_ = std::sqrt(1 - sine_ * sine_);
@@ -43,13 +63,16 @@ class ConeToLight {
     if (!(sine_ < 0.5 && 0x1p-90 < length_ && length_ < 0x1p90 && glm::length(apex_) < 0x1p400)) close();
   }
 
-  /// Returns true if all chosen rays lie inside in 0 < t < 1, and end at the apex.
-  [[nodiscard]] bool holds(const RayPacket& rays, LaneMask which) const {
-    const Vectors end = rays.origin + rays.direction - Vectors(apex_), w = rays.origin - Vectors(apex_);
-    const Doubles distance = sqrt(dot(w, w));
-    const LaneMask inside = dot(end, end) < 0.0625 * drift_ * drift_ && distance < length_ &&
-                            dot(w, Vectors(axis_)) > cosine_ * distance;
-    return !any(which && !inside);
+  /// Returns true if all of the rays, which the cone's apex sees, lie inside in 0 < t < 1 and end there. The
+  /// cosine that they need is raised by 2^-46, and so its square by more than the roundings of both sides.
+  /// Rays that begin within 2^-200 of the apex, where squares may underflow, are outside.
+  [[nodiscard]] bool holds(const SeenFrom& rays) const {
+    const Doubles along = dot(rays.to_origin, Vectors(axis_));
+    const double least = cosine_ + 0x1p-46;
+    const LaneMask inside = rays.beside < 0.0625 * drift_ * drift_ && Doubles(0x1p-400) < rays.squares &&
+                            rays.squares < length_ * length_ && along > Doubles(0.0) &&
+                            along * along > least * least * rays.squares;
+    return !any(rays.which && !inside);
   }
 
   /// Returns true if the cone holds anything.
@@ -98,11 +121,11 @@ class ConeToLight {
            !(dot(axis_, l) < cosine_ * horizon - sine_ * radius - 0x1p-40 * distance);
   }
 
-  /// Returns the part of the cone around some of the rays that it holds: with the same apex, and as narrow as
-  /// they are.
-  [[nodiscard]] ConeToLight around(const RayPacket& rays, LaneMask which) const {
+  /// Returns the part of the cone around some of the rays that it holds: with the same apex, and as narrow
+  /// and as long as they are.
+  [[nodiscard]] ConeToLight around(const SeenFrom& rays) const {
     ConeToLight narrow = *this;
-    narrow.set(rays, which);
+    narrow.set(rays);
     return narrow;
   }
 
@@ -112,17 +135,20 @@ class ConeToLight {
   [[nodiscard]] double length() const { return length_; }
 
  private:
-  /// Makes the cone as narrow and as long as some rays to the apex. The axis is between the first and the
-  /// last.
-  void set(const RayPacket& rays, LaneMask which) {
-    const Vectors w = rays.origin - Vectors(apex_);
-    const Doubles distance = sqrt(dot(w, w));
-    const int first = std::countr_zero(bits(which)), last = static_cast<int>(std::bit_width(bits(which))) - 1;
-    axis_ = normalize(w[first] / distance[first] + w[last] / distance[last]);
-    const Doubles away = select(which, -dot(w, Vectors(axis_)) / distance, Doubles(-1));
-    cosine_ = std::max(0.0, -largest(away) - 0x1p-40);
-    sine_ = std::sqrt(1 - cosine_ * cosine_);
-    length_ = largest(select(which, distance, Doubles(0))) * (1 + 0x1p-40);
+  /// Makes the cone as narrow and as long as some rays, but for 2^-39 of the squared cosine and 2^-40 of the
+  /// length, which cover roundings. The axis is between the first and the last.
+  void set(const SeenFrom& rays) {
+    const Bits which = bits(rays.which);
+    const int first = std::countr_zero(which), last = static_cast<int>(std::bit_width(which)) - 1;
+    const Vec3 axis = rays.to_origin[first] + rays.to_origin[last];
+    const double square = dot(axis, axis);
+    axis_ = axis / std::sqrt(square);
+    const Doubles along = dot(rays.to_origin, Vectors(axis));
+    const Doubles squared_cosines = along * abs(along) / (rays.squares * square);
+    const double least = std::max(0.0, smallest(select(rays.which, squared_cosines, Doubles(1))) - 0x1p-39);
+    cosine_ = std::sqrt(least);
+    sine_ = std::sqrt(1 - least);
+    length_ = std::sqrt(largest(select(rays.which, rays.squares, Doubles(0)))) * (1 + 0x1p-40);
   }
 
   Point apex_{0};
@@ -193,17 +219,18 @@ class Occluders {
   /// is chosen.
   [[nodiscard]] const PlainVector<int>* between(const RayPacket& rays, LaneMask which, const auto& search) {
     ToLight& to_light = lists_for(rays, std::countr_zero(bits(which)));
-    List* list = to_light.list_of(rays, which);
+    const SeenFrom from_light(to_light.light, rays, which);
+    List* list = to_light.list_of(from_light);
     if (list == nullptr) {
       if (to_light.waits > 0) {
         --to_light.waits;
         return nullptr;
       }
       list = &to_light.lists[to_light.next++ % lists_each];
-      list->cone = ConeToLight(rays, which, to_light.wide);
+      list->cone = ConeToLight(from_light, to_light.wide);
       list->in_cone.clear();
       int looked_at = least;
-      if (!list->cone.holds(rays, which)) {  // false if they do not end together
+      if (!list->cone.holds(from_light)) {  // false if they do not end together
         list->cone.close();
         return nullptr;
       }
@@ -232,7 +259,7 @@ class Occluders {
     }
     to_light.served += std::popcount(bits(which));
     indices_.clear();
-    list->in_cone.each_within(list->cone.around(rays, which), [&](int index) { indices_.push_back(index); });
+    list->in_cone.each_within(list->cone.around(from_light), [&](int index) { indices_.push_back(index); });
     return &indices_;
   }
 
@@ -256,8 +283,8 @@ class Occluders {
 
   /// Lists for one light: several, since rays of neighboring pixels may start on surfaces that are far apart.
   struct ToLight {
-    Point light{0};
-    double near = 0;  ///< largest distance from the light at which its rays end
+    Point light{0};   ///< where the first of its rays ends: the apex of all cones
+    double near = 0;  ///< square of the distance from the light within which its rays end
     List lists[lists_each];
     std::size_t next = 0;
     double wide = 4;  ///< width of a cone, as a multiple of that of a packet's rays
@@ -267,9 +294,9 @@ class Occluders {
     int served = 256, waits = 0, pause = 0;
 
     /// Returns a list whose cone holds the rays; null if there is none.
-    List* list_of(const RayPacket& rays, LaneMask which) {
+    List* list_of(const SeenFrom& rays) {
       for (List& list : lists)
-        if (list.cone.is_cone() && list.cone.holds(rays, which)) return &list;
+        if (list.cone.is_cone() && list.cone.holds(rays)) return &list;
       return nullptr;
     }
   };
@@ -279,11 +306,11 @@ class Occluders {
   ToLight& lists_for(const RayPacket& rays, int lane) {
     const Point end = rays.origin[lane] + rays.direction[lane];
     for (std::size_t i = 0; i < count_; ++i)
-      if (glm::length(end - lights_[i].light) < lights_[i].near) return lights_[i];
+      if (const Vec3 apart = end - lights_[i].light; dot(apart, apart) < lights_[i].near) return lights_[i];
     const double near = 0x1p-46 * (glm::length(end) + glm::length(rays.direction[lane]));
     if (count_ < most_lights) ++count_;
     ToLight& to_light = lights_[next_++ % most_lights];
-    to_light = {.light = end, .near = near, .lists = {}};
+    to_light = {.light = end, .near = near * near, .lists = {}};
     return to_light;
   }
 
