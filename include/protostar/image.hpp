@@ -18,6 +18,9 @@ struct Tile {
 
   [[nodiscard]] int width() const { return x1 - x0; }
   [[nodiscard]] int height() const { return y1 - y0; }
+  [[nodiscard]] std::uint64_t pixel_count() const {
+    return static_cast<std::uint64_t>(width()) * static_cast<std::uint64_t>(height());
+  }
 
   /// Returns the number of tiles of at most side × side pixels that this one is made of, or the i-th of them,
   /// in rows.

@@ -1,7 +1,12 @@
 // A user's integrators in render by tiles: the pictures drawn ray by ray.
 #include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/depth.hpp>
+#include <protostar/surfaces/any_surface.hpp>
+#include <protostar/surfaces/mesh.hpp>
+#include <protostar/surfaces/moving.hpp>
+#include <protostar/surfaces/parallelogram.hpp>
 #include <protostar/surfaces/sphere.hpp>
+#include <protostar/surfaces/torus.hpp>
 
 #include <cmath>
 #include <cstddef>
@@ -9,6 +14,7 @@
 #include "scenes/three_spheres.hpp"
 #include "support/catch.hpp"
 #include "support/following.hpp"
+#include "support/meshes.hpp"
 #include "support/mirrors.hpp"
 #include "support/pictures.hpp"
 #include "support/random.hpp"
@@ -136,6 +142,18 @@ struct Unit {
   }
 };
 
+/// User-defined integrator that shades single hits of packets of camera rays, by all that a hit tells.
+struct Telltale : FirstHit<Telltale> {
+  using ShadesEachHit = Telltale;
+  Color background(const auto&, const auto&) const { return {0, 0.25f, 0}; }
+  Color shade(const Intersection& hit, const auto& scene, const auto& sampler) const {
+    const auto numbers = sampler(1);
+    const bool is_free = !scene.occluded(hit.leave(hit.facing_normal()), Interval{});
+    return {to_float(hit.refined()), to_float(dot(hit.normal(), Vec3{1, 2, 3}) + hit.uv().x + numbers[0]),
+            hit.color().r + static_cast<float>(hit.primitive()) + static_cast<float>(is_free)};
+  }
+};
+
 }  // namespace
 
 TEST_CASE("by tiles, an integrator that shades and asks for crossings draws the same picture as ray by ray") {
@@ -214,6 +232,41 @@ TEST_CASE("by tiles, a user's integrator draws the same picture as ray by ray") 
   CHECK(different_bytes(by_lambda, expected) == 0);
   CHECK(different_bytes(by_typed, expected) == 0);
   CHECK(different_bytes(by_structure, expected) == 0);
+}
+
+TEST_CASE("by tiles, an integrator that shades each hit draws the same picture as ray by ray") {
+  Scene<Sphere, Parallelogram, Mesh, AnySurface> scene;
+  scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Material{.diffuse = Color{0.5f}, .texture = Checker{}});
+  scene.add(Sphere{.center = {0, 0, 9}, .radius = 30}, Color{0.125f});  // seen from inside
+  scene.add(Parallelogram{{-2, -1, 4}, {1, 0, 0}, {0, 1, 1}},
+            Material{.diffuse = Color{0.25f}, .normal_map = [](double u, double v) {
+                       return Vec3{0.3 * u, 0.2 * v, 1};
+                     }});
+  scene.add(Mesh(meshes::moved(meshes::box(1), 0.7, Point{1.5, 0.5, 4})), Color{0.75f});
+  scene.add(AnySurface(Torus{.center = {-1, 1, 4}, .axis = {1, 1, 1}, .radius = 0.5, .tube = 0.2}), Color{1});
+  scene.add(AnySurface(Moving(Sphere{{1, -1, 3}, 0.4}, Vec3{0.3, 0, 0})), Color{0.375f});
+  const auto check = [](const auto& drawn, const Camera& camera, const RenderOptions& options) {
+    Image plain(75, 50), image(75, 50);
+    RenderOptions without = options;
+    without.tiles = false;
+    render(plain, camera, drawn, Telltale{}, without);
+    render(image, camera, drawn, Telltale{}, options);
+    CHECK(different_bytes(image, plain) == 0);
+    return count_pixels(plain, [&](int x, int y) { return x > 0 && plain(x, y) != plain(x - 1, y); });
+  };
+  const auto wide = Camera::perspective({}, {0, 0, 1}, {0, 1, 0}, 70);
+  Camera moving = Camera::thin_lens({}, {0, 0, 1}, {0, 1, 0}, 70, 0.05, 4);
+  moving.shutter = {0, 1};
+  CHECK(check(scene, wide, {.threads = 2}) > 2000);
+  CHECK(check(scene, wide, {.samples = 3, .filter = ReconstructionFilter::mitchell()}) > 2000);
+  CHECK(check(scene, moving, {.samples = 3}) > 2000);
+  CHECK(check(accelerate(scene), Camera::orthographic({0, 0, 2}, {0, 0, 1}, {0, 1, 0}, 3), {}) > 2000);
+
+  Scene<Sphere> ball;  // tiles that see nothing have one color, without a ray
+  ball.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{0.5f});
+  RenderStatistics taken;
+  CHECK(check(ball, wide, {.statistics = &taken}) > 100);
+  CHECK(taken.pixels_skipped > 75 * 50 / 4);
 }
 
 TEST_CASE("an integrator that follows rays sees the closest of surfaces in any order") {

@@ -29,6 +29,12 @@ concept FollowsPaths = std::same_as<typename I::FollowsPaths, I>;
 template <class I>
 concept MeetsTogether = FollowsPaths<I> && std::same_as<typename I::MeetsTogether, I>;
 
+/// Integrator whose radiance of a ray is shade() of its closest hit, or background(), as FirstHit has it.
+/// Camera rays are traced in packets, and each hit is shaded by itself. It declares this for its own type
+/// only, too, and all rays that miss have the same radiance, as above.
+template <class I>
+concept ShadesEachHit = std::same_as<typename I::ShadesEachHit, I>;
+
 /// Integrator that shades a hit by the numbers of a sampler.
 template <class I, class S>
 concept ShadesBySampler = requires(const I& integrator, const Intersection& hit, const S& scene,

@@ -323,22 +323,23 @@ class TileHits {
     keep_closer(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
   }
 
-  /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it.
+  /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it. Hits are
+  /// shaded one by one if shade_hits takes single ones alone, or the material has a normal map.
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
                                 const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
-    if (scene_.template has_normal_maps<T>() && material.normal_map) [[unlikely]]
-      return shade_one_by_one(surface, material, RayPacket(rays), closest, lanes, shade_hits);
-    if constexpr (RasterizedSurface<T>)
-      if (!any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
-        const auto& drawn = *buffer_at<T>(in_first_lane(closest.index, bits(lanes)));
-        return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material,
-                                           PrimitivesSeen<typename T::Drawn>{drawn, closest.primitive})));
-      }
-    if constexpr (is_made_of_primitives<T>)
-      if (has_primitives(surface))
-        return shade_one_by_one(surface, material, rays, closest, lanes, shade_hits);
-    return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material)));
+    if constexpr (std::is_invocable_v<decltype(shade_hits), HitPacket<T>>) {
+      const bool is_mapped = scene_.template has_normal_maps<T>() && material.normal_map;
+      if constexpr (RasterizedSurface<T>)
+        if (!is_mapped && !any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
+          const auto& drawn = *buffer_at<T>(in_first_lane(closest.index, bits(lanes)));
+          return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material,
+                                             PrimitivesSeen<typename T::Drawn>{drawn, closest.primitive})));
+        }
+      if (!is_mapped && !has_primitives(surface)) [[likely]]
+        return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material)));
+    }
+    return shade_one_by_one(surface, material, RayPacket(rays), closest, lanes, shade_hits);
   }
 
   /// Returns the radiance of rays that hit one surface, of one hit after the other.

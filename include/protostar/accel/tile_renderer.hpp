@@ -1,6 +1,6 @@
 // Renderer of the tiles of a picture: culls the surfaces that a tile cannot see, finds in float what its
 // pixels see, and traces packets only through pixels that float leaves in doubt, or whose color needs the hit
-// point. An integrator that takes no packets gets one ray after the other.
+// point. An integrator that declares nothing of packets gets one ray after the other.
 #pragma once
 
 #include <algorithm>
@@ -72,7 +72,7 @@ class TileRenderer {
 
   /// Ways to ask the integrator: by packets or by single rays; to shade closest hits, or for the radiance of
   /// rays; with a sampler or without; without a point of the hit, or with one.
-  static constexpr bool by_packets = PacketIntegrator<I> || FollowsPaths<I>;
+  static constexpr bool by_packets = PacketIntegrator<I> || FollowsPaths<I> || ShadesEachHit<I>;
   static constexpr bool shades = ShadingIntegrator<I, View>;
   static constexpr bool takes_sampler =
       shades ? ShadesBySampler<I, View> : protostar::detail::takes_sampler<I, View>;
@@ -155,7 +155,7 @@ class TileRenderer {
           if (!candidates.fills(i, frustum) || view.has_texture(candidates.index(i))) return false;
       }
       give_tile(target_, pixels, tile, uniform_light(tile, candidates, view, work));
-      work.state.counts.pixels_skipped += pixel_count(tile) * pixels.drawn();
+      work.state.counts.pixels_skipped += tile.pixel_count() * pixels.drawn();
       return true;
     }
     return false;
@@ -196,17 +196,13 @@ class TileRenderer {
       return Colors(background());
   }
 
-  static std::uint64_t pixel_count(const Tile& tile) {
-    return static_cast<std::uint64_t>(tile.width()) * static_cast<std::uint64_t>(tile.height());
-  }
-
   /// Fills a part of at most 16 × 16 pixels with the radiance of each pixel's rays. A pixel has one sum in an
   /// image and `scramblings` in a film: sample i belongs to sum i mod their number. They are filled one after
   /// the other.
   void fill(const Tile& part, const Candidates& candidates, Work& work) const {
     View view = view_of(candidates, work);
     const PixelGrid& pixels = rays_.pixels();
-    work.state.counts.camera_rays += pixel_count(part) * pixels.drawn();
+    work.state.counts.camera_rays += part.pixel_count() * pixels.drawn();
     if constexpr (!by_packets) {
       for (int y = part.y0; y < part.y1; ++y)
         for (int x = part.x0; x < part.x1; ++x)
@@ -302,10 +298,15 @@ class TileRenderer {
           else
             return integrator_.shade(hits, view);
         };
-        add(part, x, y, i, found[k],
-            view.shade(
-                rays, closest[k], [&] { return integrator_.background(rays, view); }, shade),
-            work);
+        const auto shade_one = [&](const Intersection& hit, int lane) { return shade(hit, lane); };
+        const auto shade_by = [&](const auto& shade_hits) {
+          return view.shade(
+              rays, closest[k], [&] { return integrator_.background(rays, view); }, shade_hits);
+        };
+        if constexpr (ShadesEachHit<I>)
+          add(part, x, y, i, found[k], shade_by(shade_one), work);
+        else
+          add(part, x, y, i, found[k], shade_by(shade), work);
       }
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
@@ -317,7 +318,7 @@ class TileRenderer {
     each_block(part, [&](const Tile& block) {
       const bool is_certain = is_tested && view.list_crossed(rays_.block_directions(block.x0, block.y0, i));
       const bool computes_rays = !is_certain || !may_skip_rays();
-      if (!computes_rays) skipped += pixel_count(block);
+      if (!computes_rays) skipped += block.pixel_count();
       each_packet(block, [&](std::size_t, int x, int y) {
         view.set_packet_position(x, y, i);
         view.set_crossed(is_tested ? &work.state.crossed : nullptr,

@@ -18,6 +18,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// with the visibility V, 1 or 0, of the sky along a direction. White if there is no hit. It is the light of
 /// PathIntegrator on white surfaces in a white sky after one bounce, at the surface that is seen.
 struct AmbientOcclusionIntegrator : FirstHit<AmbientOcclusionIntegrator> {
+  /// Says that camera rays may be traced in packets (accel/packet_integrator.hpp). It names its own type.
+  using ShadesEachHit = AmbientOcclusionIntegrator;
+
   /// Distance in scene units from which on surfaces occlude nothing.
   double distance = std::numeric_limits<double>::infinity();
 

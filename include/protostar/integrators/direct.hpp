@@ -30,6 +30,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// draws is traced for it (light_at_hit.hpp). The lobe does not reflect ambient light, and matte surfaces do
 /// not reflect the sky.
 struct DirectIntegrator : FirstHit<DirectIntegrator> {
+  /// Says that camera rays may be traced in packets (accel/packet_integrator.hpp). It names its own type.
+  using ShadesEachHit = DirectIntegrator;
+
   AreaLights lights;
 
   /// Largest number of rays to area lights for one hit, at least 1. If there are at most so many lights, each

@@ -15,6 +15,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// occludes a light, so that no ray is traced but the camera's, and nothing is drawn by chance. The sky, or
 /// black, if there is no hit.
 struct UnoccludedIntegrator : FirstHit<UnoccludedIntegrator> {
+  /// Says that camera rays may be traced in packets (accel/packet_integrator.hpp). It names its own type.
+  using ShadesEachHit = UnoccludedIntegrator;
+
   AreaLights lights;
 
   /// Prepares the lights of a scene; pictures of that scene can then be drawn.
