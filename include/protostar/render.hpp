@@ -7,6 +7,7 @@
 
 #include <concepts>
 #include <type_traits>
+#include <utility>
 
 #include "camera.hpp"
 #include "image.hpp"
@@ -105,9 +106,47 @@ template <class I, class... Rest>
     return integrator.radiance(ray, rest...);
 }
 
+// &I::name is a pointer to a member of the class that declares it: of a base only where I inherits it.
+
+/// Names the integrator whose FirstHit a type derives from.
+template <class Base>
+Base base_of(const FirstHit<Base>&);
+
+/// Tests whether a type takes a function from the base.
+template <class I, class Base, class S, class... Sampler>
+inline constexpr bool takes_radiance = requires(Color (FirstHit<Base>::*& of_base)(const Ray&, const S&,
+                                                                                   const Sampler&...) const) {
+  of_base = &I::radiance;
+};
+template <class I, class Base, class S, class... Sampler>
+inline constexpr bool takes_shade = requires(Color (Base::*& of_base)(const Intersection&, const S&,
+                                                                      const Sampler&...) const) {
+  of_base = &I::shade;
+};
+template <class I, class Base, class S>
+inline constexpr bool takes_background = requires(Color (Base::*& of_base)(const Ray&, const S&) const) {
+  of_base = &I::background;
+};
+
+/// True for a type that takes radiance from its base, and declares a shade or a background, which that
+/// radiance does not call.
+template <class I, class S, class... Sampler>
+inline constexpr bool shades_in_vain = false;
+template <class I, class S, class... Sampler>
+requires requires(const I& integrator) { base_of(integrator); }
+inline constexpr bool shades_in_vain<I, S, Sampler...> = [] {
+  using Base = decltype(base_of(std::declval<const I&>()));
+  return takes_radiance<I, Base, S, Sampler...> &&
+         ((takes_shade<Base, Base, S, Sampler...> && !takes_shade<I, Base, S, Sampler...>) ||
+          (takes_background<Base, Base, S> && !takes_background<I, Base, S>));
+}();
+
 /// Returns an integrator in a scene as a function of a ray, and of a sampler if it takes one.
 template <class S, class I>
 [[nodiscard]] auto radiance_in(const S& scene, const I& integrator) {
+  static_assert(!shades_in_vain<I, S> && !shades_in_vain<I, S, PixelSampler>,
+                "Integrator: the type has a shade or a background of its own, but takes radiance from the "
+                "base, which does not call it: derive from FirstHit<the type itself>");
   if constexpr (takes_sampler<I, S>)
     return [&](const Ray& ray, const PixelSampler& sampler) {
       return radiance_along(ray, integrator, scene, sampler);

@@ -165,6 +165,30 @@ void draw(Image& image, const Scene<Sphere>& scene) {
   Words "Integrator: radiance(const Ray&, const Scene&) const, or with a sampler, does not return a Color"
   Shadeless "Integrator: the type derives from FirstHit and has no shade(const Hit&, const Scene&) const"
   lambda "Integrator: the function of a ray and a scene does not return a Color")
+# The radiance of a base calls the base's functions, whatever a type that derives from it declares.
+set(in_vain "Integrator: the type has a shade or a background of its own, but takes radiance from the base")
+expect_refusal(integrators/shadow.hpp [[
+struct Red : ShadowIntegrator {
+  Color shade(const auto&, const auto&) const { return Color{1, 0, 0}; }
+};
+struct Night : ShadowIntegrator {
+  Color background(const auto&, const auto&) const { return Color{0}; }
+};
+struct Copied : FirstHit<ShadowIntegrator> {
+  Color shade(const Intersection&, const Scene<Sphere>&) const { return Color{1}; }
+};
+struct Chance : FirstHit<Chance> {
+  Color shade(const auto&, const auto&, const auto&) const { return Color{1}; }
+};
+struct Blue : Chance {
+  Color shade(const auto&, const auto&, const auto&) const { return Color{0, 0, 1}; }
+};
+void draw(Image& image, const Scene<Sphere>& scene) {
+  render(image, Camera{}, scene, Red{});
+  render(image, Camera{}, scene, Night{});
+  render(image, Camera{}, scene, Copied{});
+  render(image, Camera{}, scene, Blue{});
+}]] Red "${in_vain}" Night "${in_vain}" Copied "${in_vain}" Blue "${in_vain}")
 expect_refusal(render.hpp [[
 struct Half {
   std::optional<Intersection> intersect(const Ray&, Interval) const { return std::nullopt; }
