@@ -319,6 +319,15 @@ struct RadianceRequirements {
   static_assert(Radiance<F> || !is_function, "render: the function of a ray does not return a Color");
 };
 
+/// Checks what a scene and an integrator need, the scene first.
+template <class S, class I>
+constexpr void require_integrator() {
+  if constexpr (!Traceable<S>)
+    static_assert(TraceableRequirements<S>::hold);
+  else
+    static_assert(IntegratorRequirements<I, S>::hold);
+}
+
 }  // namespace detail
 
 /// Stops the compiler with a sentence on why the arguments cannot be rendered.
@@ -326,13 +335,21 @@ template <class R>
 requires(!Radiance<R>) void render(Image&, const Camera&, const R&, const RenderOptions& = {}) {
   static_assert(detail::RadianceRequirements<R>::hold);
 }
+template <class R>
+requires(!Radiance<R>) void add_samples(Film&, const SampleRange&, const Camera&, const R&,
+                                        const RenderOptions& = {}) {
+  static_assert(detail::RadianceRequirements<R>::hold);
+}
 template <class S, class I>
 requires(!(Traceable<S> && Integrator<I, S>)) void render(Image&, const Camera&, const S&, const I&,
                                                           const RenderOptions& = {}) {
-  if constexpr (!Traceable<S>)
-    static_assert(detail::TraceableRequirements<S>::hold);
-  else
-    static_assert(detail::IntegratorRequirements<I, S>::hold);
+  detail::require_integrator<S, I>();
+}
+template <class S, class I>
+requires(!(Traceable<S> && Integrator<I, S>)) void add_samples(Film&, const SampleRange&, const Camera&,
+                                                               const S&, const I&,
+                                                               const RenderOptions& = {}) {
+  detail::require_integrator<S, I>();
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -308,6 +308,9 @@ struct SurfaceOffers : SurfaceRequirements<S> {
       knows_tangents<S> || !requires(S surface, Point point) { surface.tangents_at(point); },
       "Surface: tangents_at(Point) is not const or does not return Tangents");
   static_assert(
+      knows_distance<S> || !requires(S surface, Point point) { surface.distance_bound(point); },
+      "Surface: distance_bound(Point) is not const or does not return double");
+  static_assert(
       Solid<S> || !requires(S surface, const Ray& ray) { surface.ends_inside(ray); },
       "Surface: ends_inside(const Ray&) is not const or does not return bool, or there are primitives and "
       "no int primitive_count() const");

@@ -105,12 +105,14 @@ struct Departing : Good { Departure departure() { return {}; } };
 struct Unsure : Good { void validate() {} };
 struct Bounded : Good { Bounds bounds() { return {}; } };
 struct Textured : Good { double uv_at(Point) const { return 0; } };
+struct Far : Good { float distance_bound(const Point&) const { return 0; } };
 struct Filled : Good { bool ends_inside(const Ray&) { return false; } };
 Scene<Rounded> rounded;
 Scene<Departing> departing;
 Scene<Unsure> unsure;
 Scene<Bounded> bounded;
 Scene<Textured> textured;
+Scene<Far> far;
 Scene<Filled> filled;
 ]]
   Rounded "Surface: roots(const Ray&) is not const or does not return Roots"
@@ -118,6 +120,7 @@ Scene<Filled> filled;
   Unsure "Surface: validate() is not const"
   Bounded "Surface: bounds() is not const or does not return Bounds"
   Textured "Surface: uv_at(Point) is not const or does not return a Uv"
+  Far "Surface: distance_bound(Point) is not const or does not return double"
   Filled "Surface: ends_inside(const Ray&) is not const or does not return bool")
 expect_refusal(surfaces/any_surface.hpp [[
 void add(Scene<AnySurface>& scene) {
@@ -165,6 +168,12 @@ void draw(Image& image, const Scene<Sphere>& scene) {
   Words "Integrator: radiance(const Ray&, const Scene&) const, or with a sampler, does not return a Color"
   Shadeless "Integrator: the type derives from FirstHit and has no shade(const Hit&, const Scene&) const"
   lambda "Integrator: the function of a ray and a scene does not return a Color")
+expect_refusal(render.hpp [[
+struct Nothing {};
+void add(Film& film, const Scene<Sphere>& scene) {
+  add_samples(film, {0, 16}, Camera{}, scene, Nothing{});
+  add_samples(film, {0, 16}, Camera{}, [](const Ray&) { return 0.5; });
+}]] Nothing "${no_radiance}" lambda "render: the function of a ray does not return a Color")
 # The radiance of a base calls the base's functions, whatever a type that derives from it declares.
 set(in_vain "Integrator: the type has a shade or a background of its own, but takes radiance from the base")
 expect_refusal(integrators/shadow.hpp [[
@@ -189,6 +198,21 @@ void draw(Image& image, const Scene<Sphere>& scene) {
   render(image, Camera{}, scene, Copied{});
   render(image, Camera{}, scene, Blue{});
 }]] Red "${in_vain}" Night "${in_vain}" Copied "${in_vain}" Blue "${in_vain}")
+set(no_constant "Marched: a function of a Point alone is followed by the bounds and a Lipschitz constant")
+expect_refusal(surfaces/distance_field.hpp [[
+const Bounds bounds{Point(-1), Point(1)};
+struct Square {};
+struct Words { const char* operator()(const Point&) const { return "far"; } };
+struct Ball { double operator()(const Point& p) const { return length(p) - 1; } };
+struct Round { auto operator()(const auto& p) const { return length(p) - 1.0; } };
+auto square = Marched{Square{}, bounds};
+auto words = Marched{Words{}, bounds, 1.0};
+auto ball = Marched{Ball{}, bounds};
+auto round_everywhere = Marched{Round{}};
+]]
+  Square "Marched: the field is no function of a point that returns a number"
+  Words "Marched: the field is no function of a point that returns a number"
+  Ball "${no_constant}" Round "Marched: the field is followed by the bounds")
 expect_refusal(render.hpp [[
 struct Half {
   std::optional<Intersection> intersect(const Ray&, Interval) const { return std::nullopt; }

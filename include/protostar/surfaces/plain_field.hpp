@@ -131,4 +131,38 @@ class Marched<F> {
 template <PlainField F>
 Marched(F, const Bounds&, double) -> Marched<F>;
 
+namespace detail {
+
+/// Tests whether a Marched can be made of a field and what follows it.
+template <class F, class... Rest>
+concept MakesMarched = (DistanceField<F> || PlainField<F>)&&std::constructible_from<Marched<F>, F, Rest...>;
+
+/// Names arguments of which no Marched can be made.
+template <class F, class... Rest>
+struct NotMarched {};
+
+}  // namespace detail
+
+/// Stops the compiler with a sentence on why no surface can be made of the arguments.
+template <class F, class... Rest>
+class Marched<detail::NotMarched<F, Rest...>> : public detail::NoSurface {
+  static_assert(DistanceField<F> || PlainField<F>,
+                "Marched: the field is no function of a point that returns a number; write "
+                "[](const auto& p) { return length(p) - 1.0; }, or take a const Point& and give a "
+                "Lipschitz constant");
+  static_assert(!PlainField<F>,
+                "Marched: a function of a Point alone is followed by the bounds and a Lipschitz constant, "
+                "which is 1 for a distance: Marched{field, Bounds{...}, 1.0}; one for any number type takes "
+                "a const auto& and has neither `if` nor functions of std");
+  static_assert(!DistanceField<F>,
+                "Marched: the field is followed by the bounds: Marched{field, Bounds{...}}");
+
+ public:
+  Marched(const auto&...) {}
+};
+
+template <class F, class... Rest>
+requires(!detail::MakesMarched<F, Rest...>) Marched(F, Rest...)
+->Marched<detail::NotMarched<F, Rest...>>;
+
 }  // namespace protostar::inline PROTOSTAR_ABI
