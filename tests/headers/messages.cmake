@@ -213,6 +213,12 @@ auto round_everywhere = Marched{Round{}};
   Square "Marched: the field is no function of a point that returns a number"
   Words "Marched: the field is no function of a point that returns a number"
   Ball "${no_constant}" Round "Marched: the field is followed by the bounds")
+expect_refusal(fields/field.hpp [[
+struct Mine { double operator()(const auto& p) const { return length(p) - 1.0; } };
+fields::Field mine = Mine{};
+fields::Field moved = fields::Moved{fields::Sphere{1}, Vec3{1, 0, 0}};
+]] Mine "Field: the type is neither a shape of fields/ nor an operation"
+  "Moved<" "on fields of type Field, such as Moved<Field>")
 expect_refusal(render.hpp [[
 struct Half {
   std::optional<Intersection> intersect(const Ray&, Interval) const { return std::nullopt; }

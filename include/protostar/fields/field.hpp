@@ -49,9 +49,9 @@ class PlanarField {
   Shape shape_;
 };
 
-/// Shape or operation of any type, held as a value: a tree of them is a field like any other, and is
-/// evaluated with all number types by the functions of its shapes and operations. Copies share the tree,
-/// which never changes.
+/// Shape or operation of fields/, held as a value: a tree of them is a field like any other, and is evaluated
+/// with all number types by the functions of its shapes and operations. Copies share the tree, which never
+/// changes.
 class Field {
  public:
   /// Largest depth of a tree, and largest size.
@@ -132,7 +132,11 @@ requires(!std::same_as<S, Field>) Field::Field(S shape) {
     throw std::invalid_argument("Field: an evaluation takes " + std::to_string(size_) +
                                 " shapes and operations; at most " + std::to_string(most_nodes) +
                                 " are allowed");
-  node_ = std::make_shared<const Node>(Node{std::move(shape)});
+  constexpr bool is_held = std::constructible_from<Node::Shape, S>;
+  static_assert(is_held,
+                "Field: the type is neither a shape of fields/ nor an operation of fields/ on fields "
+                "of type Field, such as Moved<Field>");
+  if constexpr (is_held) node_ = std::make_shared<const Node>(Node{std::move(shape)});
 }
 
 template <class T>
