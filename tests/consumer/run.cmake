@@ -30,7 +30,7 @@ if(CONSUMER STREQUAL find_package)
   list(FILTER others EXCLUDE REGEX "^include/protostar/.*\\.hpp$|^[^/]*/([^/]*/)?cmake/protostar/.*\\.cmake$")
   set(examples share/doc/protostar/examples)
   foreach(file IN ITEMS CMakeLists.txt scenes/three_spheres.hpp accelerate.cpp departure.cpp integrator.cpp lens.cpp
-      field.cpp marched.cpp occlusion.cpp readme.cpp surface.cpp)
+      field.cpp light.cpp marched.cpp occlusion.cpp readme.cpp surface.cpp)
     if(NOT ${examples}/${file} IN_LIST others)
       message(FATAL_ERROR "${examples}/${file} is not installed")
     endif()
