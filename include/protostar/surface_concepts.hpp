@@ -290,6 +290,15 @@ struct SurfaceOffers : SurfaceRequirements<S> {
       SurfaceWithRoots<S> || !requires(S surface, const Ray& ray) { surface.roots(ray); },
       "Surface: roots(const Ray&) is not const or does not return Roots");
   static_assert(
+      SurfaceWithEquation<S> || !requires(S surface, const Ray& ray) { surface.equation(ray); },
+      "Surface: equation(rays) is not const, has no exact form for an ExactLine, or there is no "
+      "bool is_left_by(const Ray&) const");
+  static_assert(
+      CompositeSurface<S> ||
+          !requires(S surface, const Ray& ray) { surface.first_crossing(ray, Interval{}); },
+      "Surface: first_crossing(const Ray&, Interval) is not const, does not return std::optional<Crossing>, "
+      "or lacks each_crossing(ray, range, visit) or exact_root(ray, crossing), which go with it");
+  static_assert(
       has_normal_of_primitives<S> || !requires(S surface, Point point) { surface.normal_at(point, 0); },
       "Surface: normal_at(Point, int) is not const or does not return a Vec3");
   static_assert(

@@ -105,6 +105,10 @@ struct Departing : Good { Departure departure() { return {}; } };
 struct Unsure : Good { void validate() {} };
 struct Bounded : Good { Bounds bounds() { return {}; } };
 struct Textured : Good { double uv_at(Point) const { return 0; } };
+struct Unleft : Good { RoundedQuadratic<double, double> equation(const Ray&) const { return {}; } };
+struct Foremost : Good {
+  std::optional<Crossing> first_crossing(const Ray&, Interval) const { return std::nullopt; }
+};
 struct Far : Good { float distance_bound(const Point&) const { return 0; } };
 struct Filled : Good { bool ends_inside(const Ray&) { return false; } };
 Scene<Rounded> rounded;
@@ -112,6 +116,8 @@ Scene<Departing> departing;
 Scene<Unsure> unsure;
 Scene<Bounded> bounded;
 Scene<Textured> textured;
+Scene<Unleft> unleft;
+Scene<Foremost> foremost;
 Scene<Far> far;
 Scene<Filled> filled;
 ]]
@@ -120,6 +126,8 @@ Scene<Filled> filled;
   Unsure "Surface: validate() is not const"
   Bounded "Surface: bounds() is not const or does not return Bounds"
   Textured "Surface: uv_at(Point) is not const or does not return a Uv"
+  Unleft "Surface: equation(rays) is not const, has no exact form for an ExactLine, or there is no"
+  Foremost "or lacks each_crossing(ray, range, visit) or exact_root(ray, crossing), which go with it"
   Far "Surface: distance_bound(Point) is not const or does not return double"
   Filled "Surface: ends_inside(const Ray&) is not const or does not return bool")
 expect_refusal(surfaces/any_surface.hpp [[
