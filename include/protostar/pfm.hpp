@@ -21,7 +21,6 @@ inline void save_pfm(const Image& image, const FileName& path, const StopToken& 
   file.write("PF\n" + std::to_string(image.width()) + " " + std::to_string(image.height()) + "\n" +
              (std::endian::native == std::endian::little ? "-1.0\n" : "1.0\n"));
   constexpr int block = 1 << 16;  // pixels written at a time
-  static_assert(sizeof(Color) == 3 * sizeof(float));
   for (int y = image.height() - 1; y >= 0; --y) {
     for (int x = 0; x < image.width(); x += block) {
       if (stop.stop_requested()) return;

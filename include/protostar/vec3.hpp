@@ -10,6 +10,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <limits>
+#include <type_traits>
 
 #include "platform.hpp"
 
@@ -24,6 +25,15 @@ using Point = Vec3;
 /// Red, green and blue: linear light, or the share of light that a surface reflects. 0 is black; there is no
 /// upper limit.
 using Color = glm::vec3;
+
+// Options of GLM, which a program may set, change its vectors.
+static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(Color) == 3 * sizeof(float),
+              "protostar needs vectors of three numbers: GLM_FORCE_DEFAULT_ALIGNED_GENTYPES gives them room "
+              "for four");
+static_assert(
+    std::is_trivially_copyable_v<Vec3> && std::is_trivially_copyable_v<Color>,
+    "protostar copies vectors byte by byte: with GLM_FORCE_CTOR_INIT they have copy constructors of "
+    "their own");
 
 /// Point of a surface in its own coordinates: x holds u, and y holds v.
 using Uv = glm::dvec2;

@@ -247,3 +247,23 @@ void draw(Image& image, const Scene<Sphere>& scene) {
   Sphere "render: a scene is followed by an integrator"
   lambda "render: what follows the camera is neither a function of a const Ray&, or of it and a sampler, that may be called when const"
   lambda "render: the function of a ray does not return a Color")
+
+# Vectors that an option of GLM has changed are refused before anything is built of them. Not every GLM and processor
+# has such vectors, so that GLM alone is asked first.
+function(expect_refused_vectors property sentence)
+  file(WRITE ${WORK}/glm.cpp "#include <glm/vec3.hpp>\n#include <type_traits>\nstatic_assert(${property});\n")
+  file(WRITE ${WORK}/vectors.cpp "#include <protostar/vec3.hpp>\n")
+  set(command ${CMAKE_CXX_COMPILER} -std=c++20 ${INCLUDES} ${ARGN} -fsyntax-only)
+  execute_process(COMMAND ${command} ${WORK}/glm.cpp RESULT_VARIABLE differ OUTPUT_QUIET ERROR_QUIET)
+  execute_process(COMMAND ${command} ${WORK}/vectors.cpp RESULT_VARIABLE refused OUTPUT_VARIABLE text ERROR_VARIABLE text)
+  string(FIND "${text}" "${sentence}" place)
+  if(differ AND (NOT refused OR place EQUAL -1))
+    message(SEND_ERROR "the compiler does not say \"${sentence}\" of ${ARGN}, but\n${text}")
+  elseif(refused AND NOT differ)
+    message(SEND_ERROR "${ARGN} changes no vector, and is refused:\n${text}")
+  endif()
+endfunction()
+expect_refused_vectors("sizeof(glm::dvec3) == 24 && sizeof(glm::vec3) == 12"
+  "protostar needs vectors of three numbers" -DGLM_FORCE_DEFAULT_ALIGNED_GENTYPES -DGLM_FORCE_INTRINSICS)
+expect_refused_vectors("std::is_trivially_copyable_v<glm::dvec3>"
+  "protostar copies vectors byte by byte" -DGLM_FORCE_CTOR_INIT)

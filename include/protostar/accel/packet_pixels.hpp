@@ -70,7 +70,6 @@ inline void prefetch_packet(Image& image, const Tile& tile, int x, int y) {
 
 /// Sets the colors of a packet's pixels, as far as these are in the tile. The packet begins at pixel (x, y).
 inline void set_packet(Image& image, const Tile& tile, int x, int y, const Colors& colors) {
-  static_assert(sizeof(Color) == 3 * sizeof(float));
   Color* const pixels = &image(x, y);
   const int count = std::min(double_lanes, tile.x1 - x);
   if (count == double_lanes) return store_in_turn(pixels, colors.r, colors.g, colors.b);
