@@ -1,5 +1,5 @@
-// Makes text from elsewhere, such as the name of a file, safe to show in a message; and numbers readable
-// there.
+// Makes text from elsewhere, such as the name of a file, safe to show in a message; and numbers and types
+// readable there.
 #pragma once
 
 #include <version>
@@ -14,6 +14,9 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#ifndef __GNUC__
+#include <typeinfo>
+#endif
 
 #include "platform.hpp"
 
@@ -79,6 +82,18 @@ inline std::string shown(std::string_view text) {
   }
 #endif
   return digits;
+}
+
+/// Returns the name of a type, as the compiler writes it.
+template <class T>
+[[nodiscard]] auto name_of_type() {
+#ifdef __GNUC__  // g++ and clang: "auto …::name_of_type() [with T = NAME]" or "[T = NAME]"
+  const std::string_view text = __PRETTY_FUNCTION__, before = "T = ";
+  const std::size_t begin = text.find(before) + before.size();
+  return text.substr(begin, text.size() - 1 - begin);
+#else
+  return std::string_view(typeid(T).name());
+#endif
 }
 
 }  // namespace protostar::inline PROTOSTAR_ABI

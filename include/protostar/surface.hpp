@@ -9,10 +9,10 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <string_view>
 #ifndef NDEBUG
 #include <atomic>
 #include <cstdio>
-#include <typeinfo>
 #endif
 
 #include "intersection.hpp"
@@ -20,6 +20,7 @@
 #include "numeric/roots.hpp"
 #include "numeric/rounded_equation.hpp"
 #include "ray.hpp"
+#include "shown.hpp"
 #include "surface_concepts.hpp"
 #include "transformed_ray.hpp"
 
@@ -204,15 +205,15 @@ namespace detail {
 #ifndef NDEBUG
 /// Warns on stderr that a surface's intersect returned a t outside its range. Only the first warning of the
 /// program is printed, for whichever type comes first.
-[[gnu::noinline, gnu::cold]] inline void warn_of_range(const char* type, double t, Interval range) {
+[[gnu::noinline, gnu::cold]] inline void warn_of_range(std::string_view type, double t, Interval range) {
   static std::atomic_flag is_told;
   if (is_told.test_and_set()) return;
   std::fprintf(
       stderr,
-      "protostar: Surface %s: intersect returned t = %.17g, which is not inside the range that it was "
+      "protostar: Surface %.*s: intersect returned t = %.17g, which is not inside the range that it was "
       "given; it must return the smallest t with %.17g < t < %.17g of a crossing, or none. Such a hit "
       "is left out, and with it those behind it: shadows or whole surfaces are missing.\n",
-      type, t, range.min, range.max);
+      static_cast<int>(type.size()), type.data(), t, range.min, range.max);
 }
 #endif
 
@@ -223,7 +224,7 @@ template <Surface S>
   const std::optional<double> t = surface.intersect(ray, range);
   if (!t || range.contains(*t)) return t;
 #ifndef NDEBUG
-  warn_of_range(typeid(S).name(), *t, range);
+  warn_of_range(name_of_type<S>(), *t, range);
 #endif
   return std::nullopt;
 }
