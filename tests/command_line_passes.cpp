@@ -176,6 +176,7 @@ TEST_CASE("options of errors that make no sense are refused, and nothing is draw
       {"--samples 1 --noise n.pfm", "--noise requires --error, --time or --samples N of at least 2"},
       {"--samples 4 --noise n.ppm", "--noise: 'n.ppm' is not a file that ends in .pfm"},
       {"--samples 4 --noise n.pfm -o n.pfm", "--noise: 'n.pfm' is not another file than the picture's"},
+      {"--samples 4 --noise ./n.pfm -o n.pfm", "--noise: './n.pfm' is not another file than the picture's"},
       {"--pixel 1,1 --error 1", "--pixel excludes --error, --time, --noise and --clamp"},
       {"--error", "--error"},
       {"--every-pixel=1", "--every-pixel takes no value"},

@@ -69,6 +69,23 @@ TEST_CASE("wrong options of render are named, with the right ones, and nothing i
   CHECK(folder.count() == 0);
 }
 
+TEST_CASE("render does not replace its scene by the explanation of a pixel, by whatever names") {
+  const TemporaryFolder folder;
+  const std::string scene = bytes_of(scene_path("three_spheres"));
+  put_bytes(folder / "scene.json", scene);
+  fs::create_symlink("scene.json", folder / "link.json");
+  for (const std::string name : {"scene.json", "./scene.json", "link.json"}) {
+    CAPTURE(name);
+    const Outcome outcome = run_stage("render", "scene.json --pixel 1,1 --explain " + name, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK_THAT(outcome.err,
+               ContainsSubstring("--explain: '" + name + "' is not another file than the scene's"));
+    CHECK(bytes_of(folder / "scene.json") == scene);
+  }
+  CHECK(run_stage("render", "scene.json --pixel 1,1 --explain other.json --quiet", folder).status == 0);
+}
+
 TEST_CASE("wrong options of render are reported before the scene is read, except a crop that is too large") {
   const TemporaryFolder folder;
   put_bytes(folder / "wrong.json", "{");

@@ -171,7 +171,7 @@ void read_pass_options(const CommandLine& line, const PassTexts& texts, Options&
   if (line.given("--time")) options.seconds = read_above_0("--time", texts.seconds);
   if (line.given("--clamp")) options.clamp = read_above_0("--clamp", texts.clamp);
   if (line.given("--noise")) check_name("--noise", texts.noise, {".pfm"});
-  if (line.given("--noise") && texts.noise == options.output)
+  if (line.given("--noise") && is_same_place(texts.noise, options.output))
     refuse("--noise", texts.noise, "another file than the picture's");
   if (line.given("--max-samples"))
     options.max_samples = read_whole(
@@ -243,8 +243,8 @@ void check_parts(const CommandLine& line, const Options& options) {
     refuse("-o", output, "the file of a picture, but of a part of one, which --shard I/N asks for");
   if (line.given("--checkpoint") && options.checkpoint.empty())
     refuse("--checkpoint", "", "the name of a file");
-  if (line.given("--checkpoint") && options.checkpoint == options.output)
-    refuse("--checkpoint", output, "another file than that of -o");
+  if (line.given("--checkpoint") && is_same_place(options.checkpoint, options.output))
+    refuse("--checkpoint", options.checkpoint.string(), "another file than that of -o");
 }
 
 /// Refuses pictures whose work cannot be shared: those that are no sums of samples. Shards take Sobol' points
@@ -365,6 +365,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
         throw UsageError(std::string(option) + " requires --pixel X,Y, which names the pixel");
     if (line.given("--explain")) check_name("--explain", explain, {".json"});
     if (line.given("--rays")) check_name("--rays", rays, {".svg", ".obj"});
+    if (of_scene && line.given("--explain") && is_same_place(explain, scene))
+      refuse("--explain", explain, "another file than the scene's");
     options.explain = explain;
     options.rays = rays;
     if (line.given("--integrator"))

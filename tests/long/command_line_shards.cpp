@@ -111,6 +111,10 @@ TEST_CASE("wrong shards and checkpoints are usage errors, and nothing is drawn")
            {"--samples 4 --pixel 1,1 --checkpoint c", "--checkpoint excludes --pixel, which draws nothing"},
            {"--samples 4 --checkpoint out.ppm",
             "--checkpoint: 'out.ppm' is not another file than that of -o"},
+           {"--samples 4 --checkpoint ./out.ppm",
+            "--checkpoint: './out.ppm' is not another file than that of -o"},
+           {part + "--samples 4 --checkpoint .//a.shard",
+            "--checkpoint: './/a.shard' is not another file than that of -o"},
            {"--checkpoint c", "--checkpoint: shares sums of samples, and the picture has one ray"},
            {"--checkpoint c --samples 1", "--checkpoint: shares sums of samples"}})
     rows.push_back(row);
