@@ -172,6 +172,14 @@ TEST_CASE("boxes, disks, quadrics and tori of a scene file are read correctly") 
       only(R"({"type": "torus", "position": [1, 2, 3], "axis": [2, 0, 0], "radius": 2, "tube": 0.5})");
   CHECK(torus.intersect({{-9, 2, 5}, {1, 0, 0}}) == 9.5);
   CHECK_FALSE(torus.intersect({{-9, 2, 4}, {1, 0, 0}}));
+  for (const std::string length : {"1e-320", "1e308"}) {  // directions of any length but 0
+    const AnySurface along_x = only(R"({"type": "torus", "position": [1, 2, 3], "axis": [)" + length +
+                                    R"(, 0, 0], "radius": 2, "tube": 0.5})");
+    CHECK(along_x.intersect({{-9, 2, 5}, {1, 0, 0}}) == 9.5);
+    const AnySurface facing_z =
+        only(R"({"type": "disk", "position": [1, 2, 5], "normal": [0, 0, -)" + length + R"(], "radius": 2})");
+    CHECK(facing_z.intersect({{3, 2, 0}, {0, 0, 1}}) == 5);
+  }
   const AnySurface upright = only(R"({"type": "torus", "position": [0, 0, 0], "radius": 2, "tube": 0.5})");
   CHECK(upright.intersect({{0, -9, 2}, {0, 1, 0}}) == 8.5);
 }

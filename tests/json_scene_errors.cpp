@@ -187,7 +187,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       surface_row(R"({"type": "box", "min": [0,0,0], "max": [1,-1,1]})",
                   "/max: [1,-1,1] is not possible: Box: min.y = 0 must not be above max.y = -1"),
       surface_row(R"({"type": "disk", "position": [0,0,0], "normal": [0,0,0], "radius": 1})",
-                  "/normal: [0,0,0] is not possible: Disk: normal must be finite and not zero"),
+                  "/normal: [0,0,0] is not a direction, a vector that is not 0"),
       surface_row(R"({"type": "disk", "position": [0,0,0], "normal": [0,0,1], "radius": 0})",
                   "/radius: 0 is not " + above_0),
       surface_row(R"({"type": "quadric", "matrix": [[1,0,0,0]]})",
@@ -201,7 +201,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
           "/matrix: [[0,0,0,0],[0,0,0,0],[0,0,0,0],[0,0,0,1]] is not possible: Quadric: the form must not be "
           "constant"),
       surface_row(R"({"type": "torus", "position": [0,0,0], "axis": [0,0,0], "radius": 2, "tube": 1})",
-                  "/axis: [0,0,0] is not possible: Torus: axis must not be 0"),
+                  "/axis: [0,0,0] is not a direction, a vector that is not 0"),
       surface_row(R"({"type": "torus", "position": [0,0,0], "radius": 1, "tube": 1})",
                   "/tube: 1 is not possible: Torus: tube must be less than radius, so that there is a hole; "
                   "it is 1"),

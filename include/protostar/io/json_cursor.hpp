@@ -188,12 +188,18 @@ class JsonCursor {
     return p;
   }
 
-  /// Returns the unit vector along the one in the file.
-  [[nodiscard]] Vec3 direction() const {
+  /// Returns the vector in the file, which may have any length but 0; if it is very short or long, another
+  /// one in its direction, whose square is in the range of double.
+  [[nodiscard]] Vec3 direction_of_any_length() const {
     const Vec3 v = vector();
     require(v != Vec3{0}, "a direction, a vector that is not 0");
-    const Vec3 near_one = scaled(v, -exponent_of({v}));  // squares neither overflow nor underflow
-    return near_one / length(near_one);
+    return of_moderate_size(v);
+  }
+
+  /// Returns the unit vector along the one in the file.
+  [[nodiscard]] Vec3 direction() const {
+    const Vec3 v = direction_of_any_length();
+    return v / length(v);
   }
 
   [[nodiscard]] Color color() const {

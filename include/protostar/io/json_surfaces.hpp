@@ -117,10 +117,9 @@ inline Box box_at(const JsonCursor& at) {
 
 inline Disk disk_at(const JsonCursor& at) {
   with_surface_keys(at, {"type", "position", "normal", "radius"});
-  const Disk disk{
-      .position = at["position"].point(), .normal = at["normal"].vector(), .radius = at["radius"].size()};
-  at["normal"].checked([&] { disk.validate(); });
-  return disk;
+  return {.position = at["position"].point(),
+          .normal = at["normal"].direction_of_any_length(),
+          .radius = at["radius"].size()};
 }
 
 inline Quadric quadric_at(const JsonCursor& at) {
@@ -147,10 +146,10 @@ inline Quadric quadric_at(const JsonCursor& at) {
 inline Torus torus_at(const JsonCursor& at) {
   with_surface_keys(at, {"type", "position", "axis", "radius", "tube"});
   const Torus torus{.center = at["position"].point(),
-                    .axis = at.has("axis") ? at["axis"].point() : Vec3{0, 1, 0},
+                    .axis = at.has("axis") ? at["axis"].direction_of_any_length() : Vec3{0, 1, 0},
                     .radius = at["radius"].size(),
                     .tube = at["tube"].size()};
-  at[torus.axis == Vec3{0} ? "axis" : "tube"].checked([&] { torus.validate(); });
+  at["tube"].checked([&] { torus.validate(); });
   return torus;
 }
 
