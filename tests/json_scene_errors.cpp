@@ -52,8 +52,8 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       types =
           R"("sphere", "plane", "parallelogram", "triangle", "mesh", "box", "disk", "quadric", "torus", "csg", "instance" or "field")",
       light =
-          "a light: position and intensity, position and power, direction and intensity, "
-          "position, direction, angle and power, or ambient";
+          "a light: position and power; position and intensity; direction and intensity; "
+          "position, direction, angle and power; or ambient";
   // Replaces the value at a pointer by one that is not allowed.
   const auto not_allowed = [](const std::string& pointer, const std::string& value,
                               const std::string& allowed) {
@@ -121,8 +121,8 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/settings/depth", "1.5", depth),
       not_allowed("/settings/integrator", "\"paths\"", integrators),
       not_allowed("/settings/integrator", "null", integrators),
-      not_allowed("/settings/transfer", "\"sRGB\"", R"("srgb" or "linear")"),
-      not_allowed("/settings/transfer", "2.2", R"("srgb" or "linear")"),
+      not_allowed("/settings/transfer", "\"sRGB\"", R"("srgb", "linear" or {"gamma": G})"),
+      not_allowed("/settings/transfer", "2.2", R"("srgb", "linear" or {"gamma": G})"),
       not_allowed("/settings/transfer/gamma", "0", above_0),
       not_allowed("/settings/transfer/gamma", "-1", above_0),
       unknown("/settings/transfer/exponent", "gamma"),
@@ -238,7 +238,7 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
               "diffuse, specular, shininess, reflect, refract, ior, normal-map, emission, glossy, roughness "
               "and blur"),
       not_allowed("/materials/black", "null", "an object"),  // though no object has it
-      not_allowed("/materials/red/diffuse", "\"red\"", color),
+      not_allowed("/materials/red/diffuse", "\"red\"", color + ", or a texture"),
       not_allowed("/materials/red/specular", "0.5", color),
       not_allowed("/materials/red/shininess", "-1", shininess),
       not_allowed("/materials/red/reflect", "-0.1", factor),
@@ -256,13 +256,16 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       {scene_with("/materials/red/roughness", "1.1"), "/materials/red/roughness: 1.1 is not " + share},
       {scene_with("/materials/red/roughness", "\"smooth\""),
        "/materials/red/roughness: \"smooth\" is not " + share},
-      unknown("/materials/squares/diffuse/colors", "checker and size"),
+      unknown("/materials/squares/diffuse/colors", "checker, image and size"),
+      missing("/materials/squares/diffuse/checker", "an array of two colors, and there is no image"),
       missing("/materials/squares/diffuse/size", above_0),
       not_allowed("/materials/squares/diffuse/size", "0", above_0),
       not_allowed("/materials/squares/diffuse/checker", "[[1,0,0]]", "an array of two colors"),
       not_allowed("/materials/squares/diffuse/checker/1/2", "-1", factor),
       {replacing("/materials/squares/diffuse", R"({"image": 3})"),
        "/materials/squares/diffuse/image: 3 is not the path of a file"},
+      {replacing("/materials/squares/diffuse", R"({"image": ""})"),
+       R"(/materials/squares/diffuse/image: "" is not the path of a file)"},
       {replacing("/materials/squares/diffuse", R"({"image": "none.png\u0000.png"})"),
        R"(/materials/squares/diffuse/image: "none.png\u0000.png" is not the path of a file)"},
       {replacing("/materials/squares/diffuse", R"({"image": "none.png", "size": [1, 0]})"),
@@ -487,7 +490,7 @@ TEST_CASE("an error in a nested surface of a scene file is reported with its pla
       " is not possible: it takes space to a plane or less, or beyond the range of double";
   says(R"({"type":"instance"})", "/surface: nothing is not an object");
   says(instance(R"("shear":1)"),
-       "/shear: is not a key here; allowed are type, surface, scale, rotate, translate and velocity");
+       "/shear: is not a key here; allowed are type, surface, matrix, scale, rotate, translate and velocity");
   says(instance(R"("matrix":[],"scale":1)"),
        "/scale: is not a key here; allowed are type, surface, matrix and velocity");
   says(instance(R"("matrix":[])"), "/matrix: [] is not an array of three rows");

@@ -202,8 +202,10 @@ class JsonCursor {
     return v / length(v);
   }
 
-  [[nodiscard]] Color color() const {
-    const JsonCursor rgb = with_size(3, "a color, an array of three numbers from 0 to 3.4e38");
+  /// Returns a color; `or_else` tells in messages what else is allowed in its place.
+  [[nodiscard]] Color color(const char* or_else = "") const {
+    const JsonCursor rgb =
+        with_size(3, std::string("a color, an array of three numbers from 0 to 3.4e38") + or_else);
     return Color(Vec3{rgb[0].factor(), rgb[1].factor(), rgb[2].factor()});
   }
 
@@ -224,7 +226,8 @@ class JsonCursor {
     namespace fs = std::filesystem;
     constexpr std::string_view allowed = "the path of a file";
     const std::string& name = text(allowed);
-    require(name.find('\0') == std::string::npos, allowed);  // the system would take it for the end
+    // The system would take a zero byte for the end.
+    require(!name.empty() && name.find('\0') == std::string::npos, allowed);
     const fs::path folder = fs::path(scene_->tree.file).parent_path(), path = folder / name;
     const auto resolved = [&](const fs::path& of) {
       std::error_code error;
@@ -249,12 +252,15 @@ class JsonCursor {
   }
 
   /// Returns the second member of the pair whose first is the text in the file; refuses other texts.
+  /// `or_else` tells in messages what else is allowed.
   template <class T>
-  [[nodiscard]] T one_of(const std::vector<std::pair<std::string_view, T>>& pairs) const {
+  [[nodiscard]] T one_of(const std::vector<std::pair<std::string_view, T>>& pairs,
+                         std::string_view or_else = {}) const {
     std::vector<std::string> names;
     for (const auto& [name, meaning] : pairs)
       if (is(name)) return meaning;
     for (const auto& [name, meaning] : pairs) names.push_back('"' + std::string(name) + '"');
+    if (!or_else.empty()) names.emplace_back(or_else);
     refuse(list_of(names, " or "));
   }
 

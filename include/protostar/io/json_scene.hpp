@@ -81,7 +81,8 @@ inline ImageTexture placed_image(const JsonCursor& at,
 
 inline Texture texture_at(const JsonCursor& at) {
   if (at.has("image")) return placed_image(at, light_at);
-  at.with_keys({"checker", "size"});
+  at.with_keys({"checker", "image", "size"});
+  if (!at.has("checker")) at["checker"].refuse("an array of two colors, and there is no image");
   const JsonCursor colors = at["checker"].with_size(2, "an array of two colors");
   return Checker{.first = colors[0].color(), .second = colors[1].color(), .size = at["size"].size()};
 }
@@ -93,7 +94,7 @@ inline Material material_at(const JsonCursor& at) {
   if (at["diffuse"].is(json::value_t::object))
     material.texture = texture_at(at["diffuse"]);
   else if (at.has("diffuse"))
-    material.diffuse = at["diffuse"].color();
+    material.diffuse = at["diffuse"].color(", or a texture");
   if (at.has("normal-map")) material.normal_map = ImageNormalMap{placed_image(at["normal-map"], normals_at)};
   if (at.has("specular")) material.specular = at["specular"].color();
   if (at.has("shininess"))
@@ -157,9 +158,8 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
     at.with_keys({"position", "direction", "intensity", "power", "angle", "fade", "ambient"});
     if (!at.has("position") && !at.has("intensity"))
       at.refuse(
-          "a light: position and intensity, position and power, direction and intensity, position, "
-          "direction, angle "
-          "and power, or ambient");
+          "a light: position and power; position and intensity; direction and intensity; position, "
+          "direction, angle and power; or ambient");
     file.scene.add(ConstantLight{.position = at["position"].point(), .intensity = at["intensity"].color()});
   }
 }
@@ -217,7 +217,7 @@ inline Camera camera_at(const JsonCursor& at) {
 
 inline Transfer transfer_at(const JsonCursor& at) {
   if (at.is(json::value_t::object)) return Gamma{at.with_keys({"gamma"})["gamma"].number_above_0()};
-  return at.one_of<Transfer>({{"srgb", Srgb{}}, {"linear", Linear{}}});
+  return at.one_of<Transfer>({{"srgb", Srgb{}}, {"linear", Linear{}}}, R"({"gamma": G})");
 }
 
 inline void read_settings(const JsonCursor& at, SceneFile& file) {

@@ -211,7 +211,7 @@ inline Affine matrix_at(const JsonCursor& at) {
 
 inline Affine placement_at(const JsonCursor& at) {
   if (at.has("matrix")) return matrix_at(with_surface_keys(at, {"type", "surface", "matrix"})["matrix"]);
-  with_surface_keys(at, {"type", "surface", "scale", "rotate", "translate"});
+  with_surface_keys(at, {"type", "surface", "matrix", "scale", "rotate", "translate"});
   Affine map;
   if (at.has("scale")) {
     const JsonCursor scale = at["scale"];
