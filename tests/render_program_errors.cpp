@@ -148,6 +148,23 @@ TEST_CASE("an invalid scene ends render with status 1 and one line of explanatio
   check(garbage, "parse error at line 1, column ");
 }
 
+TEST_CASE("samples that are too many for the lights of a scene are told by the option that asks for them") {
+  const TemporaryFolder folder;
+  std::string lights = R"({"position": [0, 9, 0], "power": [1, 1, 1]})";
+  for (int i = 0; i < 12; ++i) lights += "," + lights;  // 4096 of them
+  put_bytes(folder / "scene.json", changed_three_spheres(R"("lights": [)", R"("lights": [)" + lights + ","));
+  const std::string many =
+      ": with 4097 lights a pixel may take 4196352 rays, and at most 4194304 are allowed\n";
+  const auto says = [&](const std::string& options, const std::string& error) {
+    const Outcome outcome = run_stage("render", "scene.json --size 8x8 " + options, folder);
+    CHECK(outcome.status == 1);
+    CHECK(outcome.err == "render: " + error);
+  };
+  says("--samples 1024", "--samples" + many);
+  says("--error 0.1", "--max-samples" + many);
+  says("--time 9 --max-samples 1024", "--max-samples" + many);
+}
+
 TEST_CASE("a scene that cannot be read ends render with status 1, the path and the reason") {
   struct Row {
     std::string path;
