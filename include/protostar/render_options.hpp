@@ -84,9 +84,10 @@ inline void draw_in_passes(Image& image, const RenderOptions& options, DrawSampl
 
 }  // namespace detail
 
-/// Option that asks for a picture in passes: a value of type T, which it may be used as. With a value it
-/// refers to the function that draws in passes, so that only programs that give one compile this function. A
-/// program that includes headers one by one needs render.hpp for that.
+/// Option of type T that asks for a picture in passes. It converts from and to its value. If it is given one,
+/// it also points to the function that draws in passes, so that the compiler leaves this function out of
+/// programs that give no such option. A program that gives one has to include render.hpp, which defines the
+/// function.
 template <class T>
 class PassOption {
  public:

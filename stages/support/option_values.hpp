@@ -37,7 +37,7 @@ struct FileOptions {
   std::string bits = {}, transfer = {};
   bool plain = false;
 
-  /// Adds them to a command line, with these texts for what holds without them.
+  /// Adds these options to a command line, with these texts for what holds without them.
   void add_to(CommandLine& line, const std::string& default_transfer, const std::string& default_plain);
 
   /// Reads the options but the transfer, which it returns if it is given. An option that the format cannot

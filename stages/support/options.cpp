@@ -151,7 +151,7 @@ struct PassTexts {
   bool every_pixel = false;
 };
 
-/// Declares them.
+/// Declares the options that ask for a picture in passes.
 void add_pass_options(CommandLine& line, PassTexts& texts) {
   line.add_option("--error", texts.error, "E",
                   "Draw samples until the picture's RMSE, in linear light, is at most that (95 %)");
@@ -165,7 +165,7 @@ void add_pass_options(CommandLine& line, PassTexts& texts) {
                 "With --error and --clamp: each channel of each pixel is within E, proven");
 }
 
-/// Reads the values of those that are given.
+/// Reads the values of the options that ask for a picture in passes, as far as they are given.
 void read_pass_options(const CommandLine& line, const PassTexts& texts, Options& options) {
   if (line.given("--error")) options.error = read_above_0("--error", texts.error);
   if (line.given("--time")) options.seconds = read_above_0("--time", texts.seconds);

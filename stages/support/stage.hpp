@@ -33,8 +33,8 @@ class Stage {
   /// draws the picture only if the tone needs it.
   StageRenderOptions render_options();
 
-  /// Returns them for a function of a ray that intersects this sphere and no more, so that --pixel can tell
-  /// so.
+  /// Returns the options of a render by a function of a ray that intersects this sphere and no more, so that
+  /// --pixel can tell so.
   StageRenderOptions render_options(const protostar::Sphere& sphere);
 
   /// Saves the image, or the part of it that was asked for, in the format asked for, with the stage's tone
@@ -79,26 +79,26 @@ class Stage {
   /// Saves the standard errors, and prints how many samples there are and what the error is.
   void tell_passes();
 
-  // Work that is shared (stage_shards.cpp).
+  // Shared work: a shard, or a picture with a checkpoint (stage_shards.cpp).
 
-  /// Begins it: the units of a shard, or those that a checkpoint does not have.
+  /// Begins shared work. Called if the user asks for --shard or --checkpoint.
   void begin_shared();
 
-  /// Asks a render for it.
+  /// Adds what shared work needs to the options of a render.
   void share(StageRenderOptions& options) const;
 
   /// Saves the shard, and returns what it is of the picture: how many units.
   std::string save_shared() const;
 
-  /// Ends it: the checkpoint is not needed any more.
+  /// Ends shared work, and removes the checkpoint, which is not needed any more.
   void end_shared();
 
   // The explanation of a pixel (stage_explanation.cpp).
 
-  /// Begins it.
+  /// Begins the explanation of the pixel that the user asks for.
   void begin_explanation();
 
-  /// Completes it by the picture's pixel, prints it, and writes the files that are asked for.
+  /// Completes the explanation by the picture's pixel, prints it, and writes the files that are asked for.
   void tell(const protostar::Image& image);
 
   Options options_;
@@ -116,8 +116,8 @@ class Stage {
 /// failed or took too long, 2 for an error in usage, 128 plus its number after a signal (130 after Ctrl-C).
 int run_stage(int argc, char** argv, const StageDefaults& defaults, const std::function<void(Stage&)>& draw);
 
-/// Does so for another program that writes a picture: `parse` reads the command line of the program of that
-/// name, as parse_options does.
+/// Runs a program that writes a picture, and returns its exit status, as run_stage does: `parse` reads the
+/// command line of the program of that name, as parse_options does.
 int run_program(int argc, char** argv,
                 const std::function<std::optional<Options>(const std::string& program, int& status)>& parse,
                 const std::function<void(Stage&)>& draw);

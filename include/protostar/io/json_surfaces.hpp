@@ -191,7 +191,8 @@ inline Csg solid_at(const JsonCursor& at) {
   if (at.has("type") && at["type"].is("csg")) return csg_at(at);
   AnySurface surface = surface_at(at);
   try {
-    return Csg(std::move(surface));  // checks is_solid, which visits all edges of a mesh; no test before
+    // Csg tests whether the surface is a solid. A test before it would visit all edges of a mesh once more.
+    return Csg(std::move(surface));
   } catch (const std::invalid_argument&) {
     refuse_as_solid(at);
   }

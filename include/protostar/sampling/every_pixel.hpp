@@ -30,10 +30,11 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// independent of each other, and their mean is the truth, though the samples of a scrambling depend on each
 /// other. The 5 % are shared by all channels of all pixels alike: 5 %/3P each.
 ///
-/// Each sample counts with an error of up to 2^-48 (ExactSum), and so may the truth that the sequences see be
-/// off, whatever the number of samples: all light below 2^-48 counts as black. This part of the error is left
-/// out of their target, and added to what they tell. An error of 2^-48 or less is no target therefore. The
-/// picture's value is the mean as a float, and its rounding to one is a part of the error too.
+/// Sums are in fixed point, in which each sample has an error of up to 2^-48 (ExactSum): all light below
+/// 2^-48 counts as black. So the means may be off by as much however many samples there are, and the
+/// sequences do not see it. Therefore their target is the error that is asked for less 2^-48, and 2^-48 is
+/// added to the errors that they tell; an error of 2^-48 or less is refused. The picture's value is the mean
+/// as a float, and its rounding to one is a part of the error too.
 class EveryPixel {
  public:
   /// Makes the rule for the pixels of a tile: no channel, clamped to [0, clamp], may be off by more than the

@@ -13,8 +13,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// Checksum of words. Each step is a bijection of the state for a word, and of the word for a state, so a
-/// change of one word surely changes it; any other goes unnoticed with a probability of 2^-64.
+/// Checksum of words. A change of one word surely changes it: for the same state before, different words lead
+/// to different states, and for the same words after it, different states lead to different checksums. Any
+/// other change goes unnoticed with a probability of 2^-64.
 class WordChecksum {
  public:
   void add(std::uint64_t word) {
