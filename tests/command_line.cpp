@@ -350,7 +350,7 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
       {"--explain a.json", {"--explain requires --pixel X,Y"}},
       {"--rays a.svg", {"--rays requires --pixel X,Y"}},
       not_allowed("--pixel 1,2 --explain", "a.txt", "a file that ends in .json"),
-      not_allowed("--pixel 1,2 --explain", ".json", "a file that ends in .json"),
+      not_allowed("--pixel 1,2 --explain", "json", "a file that ends in .json"),
       not_allowed("--pixel 1,2 --rays", "a.png", "a file that ends in .svg or .obj"),
       {"--threads", {"--threads", "N", "missing"}},
       {"--bits", {"--bits", "8|16", "missing"}},

@@ -51,6 +51,8 @@ TEST_CASE("a stage with --error draws as many samples as it says, and writes the
 TEST_CASE("the option --noise goes with a number of samples too") {
   const TemporaryFolder folder;
   CHECK(run_stage("13_whitted", "--size 32x24 --samples 4 --noise n.pfm -o a.ppm", folder).status == 0);
+  CHECK(run_stage("13_whitted", "--size 32x24 --samples 4 --noise N.PFM -o a.ppm", folder).status == 0);
+  CHECK(bytes_of(folder / "N.PFM") == bytes_of(folder / "n.pfm"));
   CHECK(bytes_of(folder / "a.ppm") ==
         stage_picture("13_whitted", "--size 32x24 --samples 4 --sampler sobol"));
   CHECK(bytes_of(folder / "n.pfm").starts_with("PF\n32 24\n"));

@@ -69,7 +69,7 @@ TEST_CASE("wrong options of render are named, with the right ones, and nothing i
   CHECK(folder.count() == 0);
 }
 
-TEST_CASE("render does not replace its scene by the explanation of a pixel, by whatever names") {
+TEST_CASE("render writes explanations to files of any case of their endings, but not over its scene") {
   const TemporaryFolder folder;
   const std::string scene = bytes_of(scene_path("three_spheres"));
   put_bytes(folder / "scene.json", scene);
@@ -84,6 +84,12 @@ TEST_CASE("render does not replace its scene by the explanation of a pixel, by w
     CHECK(bytes_of(folder / "scene.json") == scene);
   }
   CHECK(run_stage("render", "scene.json --pixel 1,1 --explain other.json --quiet", folder).status == 0);
+  const Outcome upper =
+      run_stage("render", "scene.json --pixel 1,1 --explain O.JSON --rays R.SVG --quiet", folder);
+  CHECK(upper.err == "");
+  CHECK(upper.status == 0);
+  CHECK(bytes_of(folder / "O.JSON") == bytes_of(folder / "other.json"));
+  CHECK(bytes_of(folder / "R.SVG").starts_with("<svg "));
 }
 
 TEST_CASE("wrong options of render are reported before the scene is read, except a crop that is too large") {

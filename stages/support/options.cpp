@@ -104,7 +104,7 @@ void check_name(const std::string& option, const std::string& name,
                 std::initializer_list<std::string_view> endings) {
   std::string names;
   for (const std::string_view ending : endings) {
-    if (name.size() > ending.size() && name.ends_with(ending)) return;
+    if (ends_in(name, ending)) return;
     names += (names.empty() ? "" : " or ") + std::string(ending);
   }
   refuse(option, name, "a file that ends in " + names);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "explanation.hpp"
+#include "option_values.hpp"
 #include "stage.hpp"
 
 using namespace protostar;
@@ -60,7 +61,7 @@ void Stage::tell(const Image& image) {
   if (!options_.explain.empty()) save_text(options_.explain, json_of(explanation, options_));
   if (!options_.rays.empty()) {
     if (!explanation.is_traced) throw std::runtime_error("--rays: the pixel was drawn without rays");
-    save_text(options_.rays, rays_of(explanation, options_.rays.string().ends_with(".svg")));
+    save_text(options_.rays, rays_of(explanation, ends_in(options_.rays, ".svg")));
   }
   explanation_.reset();
 }
