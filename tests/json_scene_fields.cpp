@@ -78,7 +78,7 @@ TEST_CASE("a wrong field is reported with its place, what was found and what is 
   struct Row {
     std::string error, expected;
   };
-  const std::string size = "a number from 2^-400 (3.9e-121) to 2^400 (2.6e120)",
+  const std::string sizes = "from 2^-400 (3.9e-121) to 2^400 (2.6e120)", size = "a number " + sizes,
                     above_0 = "a number greater than 0";
   for (
       const auto& [error, expected] : std::vector<Row>{
@@ -127,11 +127,19 @@ TEST_CASE("a wrong field is reported with its place, what was found and what is 
           {field_error(R"({"type": "scale", "factor": 0, "field": )" + ball_field + "}"),
            "/field/factor: 0 is not " + above_0},
           {field_error(R"({"type": "plane", "normal": [0, 1, 0], "distance": 0})"),
-           "/bounds: nothing is not min and max of a box; a field that has no bounds of its own needs them"},
+           "/bounds: nothing is not min and max of a box; a field that has no bounds of its own, or none "
+           "within 2^400 (2.6e120), needs them"},
           {field_error(R"({"type": "mirror", "cell": [1, 0, 0], "field": )" + ball_field + "}"),
-           "/bounds: nothing is not min and max of a box; a field that has no bounds of its own needs them"},
+           "/bounds: nothing is not min and max of a box; a field that has no bounds of its own, or none "
+           "within 2^400 (2.6e120), needs them"},
           {field_error(ball_field, R"(, "bounds": {"min": [0, 0, 0], "max": [1, 0, 1]})"),
-           "/bounds/max: [1,0,1] is not greater than min in each of its numbers"},
+           "/bounds/max: [1,0,1] is not greater than min in each of its numbers, by " + sizes},
+          {field_error(ball_field, R"(, "bounds": {"min": [0, 0, -2e120], "max": [1, 1, 2e120]})"),
+           "/bounds/max: [1,1,2e+120] is not greater than min in each of its numbers, by " + sizes},
+          {field_error(R"({"type": "sphere", "radius": 2e120})"),
+           R"(/field: {"radius":2e+120,"type":"sphere"} is not a field with points inside of its surface, and )"
+           "bounds with sides " +
+               sizes},
           {field_error(ball_field, R"(, "bounds": {"min": [0, 0, 0]})"),
            "/bounds/max: nothing is not a vector, an array of three numbers"}}) {
     CAPTURE(expected);

@@ -288,20 +288,28 @@ inline fields::Field field_at(const FieldCursor& cursor) {
   }
 }
 
-/// Returns the box in which a field is drawn: the box in the file, or else the field's own.
+/// Returns the box in which a field is drawn: the box in the file, or else the field's own. Its sides are
+/// sizes (magnitude.hpp).
 inline Bounds bounds_of_field(const JsonCursor& at, const fields::Field& field) {
+  const auto has_sizes = [](const Bounds& box) {
+    const Vec3 sides = box.max - box.min;
+    return is_size(sides.x) && is_size(sides.y) && is_size(sides.z);
+  };
   if (at.has("bounds")) {
     const JsonCursor bounds = at["bounds"].with_keys({"min", "max"});
     const Bounds box{bounds["min"].point(), bounds["max"].point()};
-    for (int k = 0; k < 3; ++k)
-      if (!is_size(box.max[k] - box.min[k])) bounds["max"].refuse("greater than min in each of its numbers");
+    if (!has_sizes(box))
+      bounds["max"].refuse(std::string("greater than min in each of its numbers, by ").append(size_rule));
     return box;
   }
   const Bounds own = field.bounds();
   if (!is_coordinate(own.min) || !is_coordinate(own.max))
-    at["bounds"].refuse("min and max of a box; a field that has no bounds of its own needs them");
-  for (int k = 0; k < 3; ++k)
-    if (!is_size(own.max[k] - own.min[k])) at["field"].refuse("a field with points inside of its surface");
+    at["bounds"].refuse(
+        "min and max of a box; a field that has no bounds of its own, or none within 2^400 (2.6e120), needs "
+        "them");
+  if (!has_sizes(own))
+    at["field"].refuse(
+        std::string("a field with points inside of its surface, and bounds with sides ").append(size_rule));
   return own;
 }
 
