@@ -12,6 +12,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "command_line.hpp"
 #include "message.hpp"
@@ -28,14 +29,22 @@ struct Size {
   int width = 0, height = 0;
 };
 
+/// Returns the whole numbers of a text, which separators part; -1 stands for anything else.
+std::vector<int> whole_numbers(std::string_view text, char separator) {
+  std::vector<int> numbers;
+  for (std::size_t begin = 0, end = 0; end != std::string_view::npos; begin = end + 1) {
+    end = text.find(separator, begin);
+    numbers.push_back(number_of<int>(text.substr(begin, end - begin)).value_or(-1));
+  }
+  return numbers;
+}
+
 Size read_size(std::string_view text) {
-  const std::size_t x = text.find('x');
-  const auto width = number_of<int>(text.substr(0, x));
-  const auto height = x == std::string_view::npos ? std::nullopt : number_of<int>(text.substr(x + 1));
-  if (!width || !height || *width < 1 || *height < 1 ||
-      std::int64_t{*width} * *height > protostar::Image::max_pixels)
+  const std::vector<int> sides = whole_numbers(text, 'x');
+  if (sides.size() != 2 || sides[0] < 1 || sides[1] < 1 ||
+      std::int64_t{sides[0]} * sides[1] > protostar::Image::max_pixels)
     refuse("--size", text, "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28");
-  return {*width, *height};
+  return {sides[0], sides[1]};
 }
 
 /// Part of a picture: its column and row, and its size.
@@ -50,12 +59,7 @@ struct Part {
 }
 
 Part read_crop(std::string_view text) {
-  std::vector<int> numbers;
-  for (std::size_t begin = 0, end = 0; end != std::string_view::npos && numbers.size() <= 4;
-       begin = end + 1) {
-    end = text.find(',', begin);
-    numbers.push_back(number_of<int>(text.substr(begin, end - begin)).value_or(-1));
-  }
+  const std::vector<int> numbers = whole_numbers(text, ',');
   if (numbers.size() != 4 || numbers[0] < 0 || numbers[1] < 0 || numbers[2] < 1 || numbers[3] < 1)
     refuse_crop(text, "");
   return {.x = numbers[0], .y = numbers[1], .size = {.width = numbers[2], .height = numbers[3]}};
@@ -79,11 +83,9 @@ void crop_to(const Part& part, std::string_view text, Options& options) {
 }
 
 Pixel read_pixel(std::string_view text) {
-  const std::size_t comma = text.find(',');
-  const auto x = number_of<int>(text.substr(0, comma));
-  const auto y = comma == std::string_view::npos ? std::nullopt : number_of<int>(text.substr(comma + 1));
-  if (!x || !y || *x < 0 || *y < 0) refuse_pixel(text, "");
-  return {*x, *y};
+  const std::vector<int> numbers = whole_numbers(text, ',');
+  if (numbers.size() != 2 || numbers[0] < 0 || numbers[1] < 0) refuse_pixel(text, "");
+  return {numbers[0], numbers[1]};
 }
 
 /// Turns options for a picture, or a part of one, into those for a pixel of the picture; refuses a pixel that
@@ -125,24 +127,27 @@ std::uint64_t read_seed(std::string_view text) {
   return *seed;
 }
 
-double read_finite(const std::string& option, std::string_view text) {
+/// Reads a finite number for which is_allowed is true.
+double read_number(const std::string& option, std::string_view text, bool (*is_allowed)(double),
+                   const std::string& allowed) {
   const auto value = number_of<double>(text);
-  if (!value || !std::isfinite(*value)) refuse(option, text, "a finite number");
+  if (!value || !std::isfinite(*value) || !is_allowed(*value)) refuse(option, text, allowed);
   return *value;
+}
+
+double read_finite(const std::string& option, std::string_view text) {
+  return read_number(
+      option, text, [](double) { return true; }, "a finite number");
 }
 
 double read_above_0(const std::string& option, std::string_view text) {
-  const auto value = number_of<double>(text);
-  if (!value || !std::isfinite(*value) || !(*value > 0))
-    refuse(option, text, "a finite number greater than 0");
-  return *value;
+  return read_number(
+      option, text, [](double x) { return x > 0; }, "a finite number greater than 0");
 }
 
 double read_timeout(std::string_view text) {
-  const auto value = number_of<double>(text);
-  if (!value || !(*value >= 0 && *value <= 1e9))
-    refuse("--timeout", text, "a number of seconds from 0 to 1e9");
-  return *value;
+  return read_number(
+      "--timeout", text, [](double x) { return 0 <= x && x <= 1e9; }, "a number of seconds from 0 to 1e9");
 }
 
 /// Options of the command line that ask for a picture in passes, as far as they are given.
