@@ -146,6 +146,7 @@ TEST_CASE("errors in an OBJ file are reported with their line") {
   };
   const std::string
       numbers = "expected 3 finite numbers that a double holds",
+      limit = "must be at most 2^400 (2.6e120) in magnitude, and ",
       face = "expected a face, with corners as 1, 1/2, 1//3 or 1/2/3, of indices of up to 9 digits";
   const std::vector<Row> rows{
       {"", "a.obj: there is no face"},
@@ -167,9 +168,9 @@ TEST_CASE("errors in an OBJ file are reported with their line") {
       {"v one 2 3\n", numbers},
       {"v\t\n", numbers + ", and number 1 is missing"},
       {"vn 0 0\n", numbers},
-      {"v 1 1e121 3\n",
-       "a.obj: line 1: the numbers of a vertex must be at most 2^400 (2.6e120) in magnitude"},
-      {"vt 1e121 3\n", "the numbers of a texture vertex must be at most 2^400 (2.6e120) in magnitude"},
+      {"v 1 1e121 3\n", "a.obj: line 1: the numbers of a vertex " + limit + "number 2 is \"1e121\""},
+      {"vt 1e121 3\n", "the numbers of a texture vertex " + limit + "number 1 is \"1e121\""},
+      {"vt 3 -1e121\n", "the numbers of a texture vertex " + limit + "number 2 is \"-1e121\""},
       {"vn 0 0 nan\n", numbers},
       {"vt u\n", "expected 1 or more finite numbers"},
       {"vt 0 v\n", "expected 1 or more finite numbers that a double holds, and number 2 is \"v\""},

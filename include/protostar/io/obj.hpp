@@ -128,7 +128,8 @@ class ObjBuilder : private std::streambuf {
   }
 
   /// Adds the numbers behind the first word of the line, two or three; others are ignored. The v of texture
-  /// coordinates may be missing and is turned over: in the file, v = 0 is the lower edge of a picture.
+  /// coordinates may be missing and is turned over: in the file, v = 0 is the lower edge of a picture. 1 − v
+  /// is a coordinate if v is one, as 1 more than 2^400 is 2^400 in double.
   void add(Kind kind) {
     const std::size_t least = kind == texture ? 1 : 3, most = kind == texture ? 2 : 3;
     std::string_view rest = line_;
@@ -142,12 +143,13 @@ class ObjBuilder : private std::streambuf {
       if (!number || !std::isfinite(*number))
         refuse("expected " + std::to_string(least) + (least < most ? " or more" : "") +
                " finite numbers that a double holds, and " + found_instead("number", found + 1, word));
+      if (kind != normal && !is_coordinate(*number))
+        refuse(std::string("the numbers of a ").append(names[kind]) + " must be " + coordinate_rule +
+               ", and " + found_instead("number", found + 1, word));
       numbers[found] = *number;
     }
     const auto [x, y, z] = numbers;
     all_[kind].push_back(kind == texture ? Vec3{x, 1 - y, 0} : Vec3{x, y, z});
-    if (kind != normal && !is_coordinate(all_[kind].back()))
-      refuse(std::string("the numbers of a ").append(names[kind]) + " must be " + coordinate_rule);
     if (all_[kind].size() == static_cast<std::size_t>(std::numeric_limits<int>::max()))
       refuse("there are more lines of this kind than the 2^31 - 2 that are allowed");
     if (kind == position) first_at_.push_back(none);
