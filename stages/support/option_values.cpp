@@ -7,7 +7,6 @@
 #include <cstdio>
 #include <protostar/io/text.hpp>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
 #include "message.hpp"
@@ -53,17 +52,6 @@ bool ends_in(const std::filesystem::path& path, std::string_view ending) {
   std::transform(name.begin(), name.end(), name.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
   return name.ends_with(ending);
-}
-
-bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
-  const auto place = [](const std::filesystem::path& path) {
-    std::error_code error;
-    // weakly_canonical leaves a relative path as it is if nothing of it exists.
-    const std::filesystem::path whole = std::filesystem::absolute(path, error);
-    const std::filesystem::path found = std::filesystem::weakly_canonical(whole, error);
-    return error ? path : found;  // such as a link to itself, which no file is written to
-  };
-  return place(a) == place(b);
 }
 
 static std::string ending_of(Options::Format format) {

@@ -28,10 +28,6 @@ int read_whole(const std::string& option, std::string_view text, bool (*is_allow
 /// Returns true if the name of a file ends so, in upper or lower case.
 bool ends_in(const std::filesystem::path& path, std::string_view ending);
 
-/// Returns true if two paths lead to the same place, whether there is a file or not: ./a.ppm and a.ppm do.
-/// Two hard links to a file do not, since each is replaced and removed by itself.
-bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
-
 /// Options of the file of a picture: --bits, --transfer and --plain.
 struct FileOptions {
   std::string bits = {}, transfer = {};

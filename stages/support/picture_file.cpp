@@ -29,6 +29,18 @@ Options::Format format_of(const std::filesystem::path& path, const std::string& 
          "a file that ends in .ppm, .png, .pfm or .hdr, or a device or pipe that exists");
 }
 
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b) {
+  namespace fs = std::filesystem;
+  const auto place = [](const fs::path& path) {
+    std::error_code error;
+    // weakly_canonical leaves a relative path as it is if nothing of it exists.
+    fs::path found = fs::absolute(path, error);
+    if (!error) found = fs::weakly_canonical(found, error);
+    return error ? path : found;  // an error is a link to itself, for example, which no file is written to
+  };
+  return place(a) == place(b);
+}
+
 void check_size(Options::Format format, int width, int height) {
   if (format == Options::Format::png) check_png_size(width, height);
 }

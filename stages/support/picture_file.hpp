@@ -17,6 +17,10 @@ extern const std::string_view format_endings;
 /// writer, whose error says what it is. The option is named in the error.
 Options::Format format_of(const std::filesystem::path& path, const std::string& option);
 
+/// Returns true if two paths lead to the same place, whether there is a file or not: ./a.ppm and a.ppm do.
+/// Two hard links to a file do not, since each is replaced and removed by itself.
+bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
+
 /// Throws std::length_error for a size that the format cannot have.
 void check_size(Options::Format format, int width, int height);
 
