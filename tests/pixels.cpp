@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <protostar/camera.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/whitted.hpp>
@@ -97,6 +98,15 @@ TEST_CASE("a cropped image has the pixels of the whole picture") {
       CHECK(different(drawn(30, 41, WhittedIntegrator{}, options),
                       drawn(101, 67, WhittedIntegrator{}, {.samples = samples}), 37, 20) == 0);
     }
+}
+
+TEST_CASE("columns and rows behind the end of the largest picture follow those before it") {
+  constexpr int most = std::numeric_limits<int>::max();
+  const PixelGrid pixels(8, 4, {.crop = {most - 8, most - 4, most, most}});
+  CHECK(pixels.u(9, 0.5) == pixels.u(7, 2.5));
+  CHECK(pixels.v(5, 0.5) == pixels.v(3, 2.5));
+  CHECK(pixels.u(9, simd::Doubles(0.5))[0] == pixels.u(7, 2.5));
+  CHECK(pixels.v(5, simd::Doubles(0.5))[0] == pixels.v(3, 2.5));
 }
 
 TEST_CASE("a crop that does not contain the image and numbers of samples beyond the limits are refused") {

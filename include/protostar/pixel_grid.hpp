@@ -85,17 +85,17 @@ class PixelGrid {
   /// Returns the film's u at a position in column x of the image, or v in row y; position 0 is the left or
   /// upper edge, 1 the other. In lanes, columns follow each other.
   [[nodiscard]] double u(int x, double position) const {
-    return Camera::u_at(crop_.x + x + position, crop_.width, crop_.height);
+    return Camera::u_at(column(x) + position, crop_.width, crop_.height);
   }
   [[nodiscard]] double v(int y, double position) const {
-    return Camera::v_at(crop_.y + y + position, crop_.height);
+    return Camera::v_at(row(y) + position, crop_.height);
   }
   [[nodiscard]] simd::Doubles u(int x, simd::Doubles position) const {
-    return Camera::u_at(simd::Doubles(crop_.x + x) + simd::iota<double, simd::double_lanes>() + position,
+    return Camera::u_at(simd::Doubles(column(x)) + simd::iota<double, simd::double_lanes>() + position,
                         crop_.width, crop_.height);
   }
   [[nodiscard]] simd::Doubles v(int y, simd::Doubles position) const {
-    return Camera::v_at(simd::Doubles(crop_.y + y) + position, crop_.height);
+    return Camera::v_at(simd::Doubles(row(y)) + position, crop_.height);
   }
 
   /// Returns the largest u of any ray, and the largest v: those at the right and at the upper edge of the
@@ -245,6 +245,11 @@ class PixelGrid {
   }
 
  private:
+  /// Returns the column or row of the whole picture: in double, as packets and tables of rays go on behind
+  /// its end, which may be the largest int.
+  [[nodiscard]] double column(int x) const { return static_cast<double>(crop_.x) + x; }
+  [[nodiscard]] double row(int y) const { return static_cast<double>(crop_.y) + y; }
+
   [[nodiscard]] float bounded_channel(float x) const { return x > 0 ? std::min(x, clamp_) : 0; }
   [[nodiscard]] simd::Floats bounded_channel(simd::Floats x) const {
     const simd::Floats most = clamp_, none = 0.0f;
