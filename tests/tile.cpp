@@ -537,21 +537,23 @@ TEST_CASE("every tile keeps a surface without bounds") {
 
 namespace {
 
-/// Counts the rays in a picture's packets that differ from those through its pixels.
-WrongCases wrong_rays(const Random& random, const Camera& camera, int width, int height) {
-  const PixelRays rays(camera, PixelGrid(width, height), width, height);
+/// Counts the rays in a picture's packets, of sample i, that differ from those through its pixels.
+WrongCases wrong_rays(const Random& random, const Camera& camera, int width, int height,
+                      const RenderOptions& options = {}, int i = 0) {
+  const PixelGrid pixels(width, height, options);
+  const PixelRays rays(camera, pixels, width, height);
   const Tile tile{0, 0, width, height};
   WrongCases wrong(random);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; x += simd::double_lanes) {
-      const auto packet = rays.packet(tile, x, y);
+      const auto packet = rays.packet(tile, x, y, i);
       wrong.add(bits(packet.active) != simd::first_bits(std::min(width - x, simd::double_lanes)), "active at",
                 x, y);
-      for (int i = 0; i < std::min(width - x, simd::double_lanes); ++i) {
-        const Ray ray = camera.through_pixel(x + i, y, width, height);
-        wrong.add(packet[i].origin != ray.origin || packet[i].direction != ray.direction ||
-                      packet[i].departure.kind != Departure::Kind::none,
-                  "pixel", x + i, y, "of", width, height, packet[i].origin, packet[i].direction, "not", ray);
+      for (int k = 0; k < std::min(width - x, simd::double_lanes); ++k) {
+        const Ray ray = pixels.ray(camera, x + k, y, i, pixels.place(x + k, y, i));
+        wrong.add(packet[k].origin != ray.origin || packet[k].direction != ray.direction ||
+                      packet[k].departure.kind != Departure::Kind::none,
+                  "pixel", x + k, y, "of", width, height, packet[k].origin, packet[k].direction, "not", ray);
       }
     }
   return wrong;
@@ -570,4 +572,22 @@ TEST_CASE("the rays of a packet are those through its pixels") {
     CHECK(wrong_rays(random, with_any_film(random, camera, 1), width, height) == 0);
     CHECK(wrong_rays(random, parallel(camera, 0.7), width, height) == 0);
   }
+}
+
+TEST_CASE("the rays of so many samples that tables of them would be too large are those through its pixels") {
+  Random random(15);
+  const Camera camera = skewed_camera(random, random.point(2), 1);
+  const RenderOptions options{.samples = 1 << 17};
+  for (const Camera& one : {camera, with_any_film(random, camera, 1), parallel(camera, 0.7)})
+    for (const int i : {0, 12345, (1 << 17) - 1})
+      CHECK(wrong_rays(random, one, 33, 17, options, i) == 0);
+
+  // Tables for this size would take almost a terabyte.
+  const Camera pinhole{.position = {1, 2, 3}};
+  const PixelGrid pixels(1 << 17, 1 << 11, options);
+  const PixelRays rays(pinhole, pixels, 1 << 17, 1 << 11);
+  const int i = 54321, x = 131064, y = 2044;
+  const simd::WideVectors block = rays.block_directions(x, y, i);
+  const Vec3 first = pixels.ray(pinhole, x, y, i, pixels.common_place(i)).direction;
+  CHECK(length(Vec3{block.x[0], block.y[0], block.z[0]} - first) < 0x1p-20);
 }

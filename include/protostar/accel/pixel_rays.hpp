@@ -7,6 +7,7 @@
 #include <cmath>
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "../camera.hpp"
@@ -35,7 +36,8 @@ struct PacketRays {
 };
 
 /// Rays of a camera through the pixels of an image: PixelGrid::ray. If places in pixels are the same in all
-/// of them, the terms that the pixels of a column or a row share are computed once.
+/// of them, the terms that the pixels of a column or a row share are computed once, unless there are so many
+/// samples that these tables would take more than half a gigabyte.
 class PixelRays {
  public:
   /// Computes the tables. It is called once for a picture, so that it is compiled for size (gnu::cold), which
@@ -44,10 +46,11 @@ class PixelRays {
       : camera_(pixels.has_only_centers() ? camera.without_lens() : camera),
         pixels_(pixels),
         is_pinhole_(camera_.is_pinhole()),
-        has_tables_(pixels.has_common_places() && !camera_.has_lens()),
+        has_tables_(pixels.has_common_places() && !camera_.has_lens() &&
+                    fits_tables(pixels.drawn(), width, height)),
         lens_(camera_.has_lens() ? camera_.lens() : Camera::Lens{camera.film_right, camera.film_up, 0, 0}),
         orientation_(orientation_of(camera)),
-        has_float_sums_(allows_float_sums(camera_, pixels)),
+        has_float_sums_(has_tables_ && allows_float_sums(camera_, pixels)),
         viewpoint_(viewpoint_of(camera_, pixels, orientation_)) {
     if (has_tables_) compute_tables(width, height);
     for (int x = 0; x <= width; x += RayBlock::width) {
@@ -61,7 +64,7 @@ class PixelRays {
   }
 
   /// Returns the directions of the rays through the i-th samples of the pixels from (x, y) on to the right.
-  /// Requires tables: places that are the same in all pixels, and no lens.
+  /// Requires tables: places that are the same in all pixels, no lens, and not too many samples.
   [[nodiscard]] Vectors directions(int x, int y, int i = 0) const {
     const int sample = i - pixels_.first();
     return normalize(tables_.along.load<Vectors>(sample, x) + Vectors(tables_.up.at(sample, y)) +
@@ -88,10 +91,7 @@ class PixelRays {
 
   /// Computes the rays through the i-th samples of the pixels from (x, y) on to the right.
   void compute_rays(int x, int y, int i, PacketRays& rays) const {
-    if (has_tables_)
-      rays.directions = directions(x, y, i);
-    else
-      compute_own_rays(x, y, i, rays);
+    compute_directions(x, y, i, rays);
     if (camera_.shutter.is_open()) rays.time = pixels_.times(camera_.shutter, x, y, i);
   }
 
@@ -278,7 +278,9 @@ class PixelRays {
     static_assert(RayBlock::width % double_lanes == 0);
     float numbers[3][float_lanes];
     for (int k = 0; k < float_lanes; k += double_lanes) {
-      const Vectors d = directions(x + k % RayBlock::width, y + k / RayBlock::width, i);
+      PacketRays rays;
+      compute_directions(x + k % RayBlock::width, y + k / RayBlock::width, i, rays);
+      const Vectors& d = rays.directions;
       to_float(d.x).store(numbers[0] + k), to_float(d.y).store(numbers[1] + k);
       to_float(d.z).store(numbers[2] + k);
     }
@@ -301,7 +303,16 @@ class PixelRays {
            camera_.position;
   }
 
-  /// Computes rays through places, or points of the lens, that each pixel has of its own.
+  /// Computes rays, but for their times.
+  void compute_directions(int x, int y, int i, PacketRays& rays) const {
+    if (has_tables_)
+      rays.directions = directions(x, y, i);
+    else
+      compute_own_rays(x, y, i, rays);
+  }
+
+  /// Computes rays without tables: through places, or points of the lens, that each pixel has of its own, or
+  /// through those of too many samples.
   [[gnu::noinline]] void compute_own_rays(int x, int y, int i, PacketRays& rays) const {
     const FilteredPlace<Doubles> places = pixels_.places(x, y, i);
     Doubles u = pixels_.u(x, places.x), v = pixels_.v(y, places.y);
@@ -315,9 +326,20 @@ class PixelRays {
     rays.directions = normalize(u * camera_.right + v * camera_.up + camera_.forward);
   }
 
+  /// Returns the number of columns, or rows, in tables: packets and blocks are read whole, also where only
+  /// their first pixels are in the image.
+  static int columns_in_tables(int width) { return (width / RayBlock::width + 2) * RayBlock::width; }
+  static int rows_in_tables(int height) { return height + RayBlock::height; }
+
+  /// Returns true if the tables of so many samples are small enough. A column or a row of a sample takes at
+  /// most 120 bytes: two vectors of doubles, or one of doubles and one of floats for each of 8 columns of a
+  /// block.
+  [[gnu::cold]] static bool fits_tables(std::uint64_t samples, int width, int height) {
+    constexpr double most = 1 << 22;
+    return static_cast<double>(samples) * (1.0 * columns_in_tables(width) + rows_in_tables(height)) <= most;
+  }
   [[gnu::cold]] void compute_tables(int width, int height) {
-    // Packets and blocks are read whole, also where only their first pixels are in the image.
-    const int columns = (width / RayBlock::width + 2) * RayBlock::width, rows = height + RayBlock::height;
+    const int columns = columns_in_tables(width), rows = rows_in_tables(height);
     const int film_columns = is_pinhole_ ? 0 : columns, film_rows = is_pinhole_ ? 0 : rows;
     const int samples = pixels_.last() - pixels_.first();
     tables_.along.resize(samples, columns), tables_.up.resize(samples, rows);
