@@ -98,6 +98,8 @@ inline constexpr bool has_threads = true;
       if (options.threads > 0)
         fail(std::make_exception_ptr(std::system_error(
             error.code(), "render: cannot start " + std::to_string(thread_count) + " threads; try 1 or 0")));
+    } catch (...) {
+      fail(std::current_exception());  // no memory: those that have started stop, too
     }
     run(report);
   }

@@ -2,11 +2,11 @@
 // primitive that its ray hits first. Those of visibility.hpp have surfaces instead.
 #pragma once
 
+#include <array>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <vector>
 
 #include "frustum.hpp"
 #include "packet.hpp"
@@ -49,15 +49,17 @@ struct VisibilityBuffers<S> {
     int index, sample;
     typename S::Drawn drawn;
   };
-  std::vector<std::unique_ptr<Entry>> entries;
-  std::size_t count = 0;  ///< number of entries that belong to this tile
+  std::array<std::unique_ptr<Entry>, most> entries;  ///< made when they are needed first, and kept
+  std::size_t count = 0;                             ///< number of entries that belong to this tile
 
   /// Returns a buffer for a surface, by its index in the scene's order, and a sample; null if there are
   /// enough.
   typename S::Drawn* add(int index, int sample) {
     if (count == most) return nullptr;
-    if (count == entries.size()) entries.emplace_back(new Entry);  // not initialized
-    Entry& entry = *entries[count++];
+    std::unique_ptr<Entry>& next = entries[count];
+    if (!next) next.reset(new Entry);  // not initialized
+    Entry& entry = *next;
+    ++count;
     entry.index = index, entry.sample = sample;
     return &entry.drawn;
   }
