@@ -18,8 +18,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Headers that a program includes itself if it uses them: some surfaces, and samplers, with the headers that
-/// only they need.
+/// Headers that a program includes itself if it uses them: some surfaces, samplers and integrators, fields,
+/// area lights and shards, with the headers that only they need.
 const std::set<std::string> on_demand = {
     "exact/recorded.hpp",
     "march/field_lines.hpp",
