@@ -1,6 +1,7 @@
 #include <protostar/accel/occluders.hpp>
 #include <protostar/protostar.hpp>
 
+#include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/random.hpp"
 
@@ -12,7 +13,7 @@ namespace {
 
 /// Returns one surface in one lane, as a search finds it.
 simd::SurfacesAround found(std::uint32_t index, const SphereAround& around) {
-  return {simd::Numbers(index), simd::Bits{1}, around};
+  return {simd::SurfaceIndices(index), simd::Bits{1}, around};
 }
 
 /// Returns rays from random points near a place to a light, with t = 1 at the light.
@@ -241,4 +242,25 @@ TEST_CASE("rays with different ends leave no wrong list of occluders for later r
   CHECK(occluders.between(rays, true, search) == nullptr);
   const auto* const indices = occluders.between(rays, simd::mask_of<double, simd::double_lanes>(1), search);
   CHECK((indices == nullptr || *indices == PlainVector<int>(1, 7)));
+}
+
+TEST_CASE("a list that has served 2^29 rays, as in a tile of many samples, is followed by another search",
+          "[long]") {
+  if (cases(0, 1) == 0) return;  // it takes a minute
+  Random random(18);
+  Occluders occluders;
+  int searches = 0;
+  const auto search = [&](const auto&, const auto& visit) {
+    ++searches;
+    visit(found(7, {Point{0, 0, 5}, 1}));
+  };
+  RayPacket rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
+  for (int i = 0; i <= (1 << 29) / simd::double_lanes; ++i)
+    static_cast<void>(occluders.between(rays, true, search));
+  CHECK(searches == 1);
+  for (int i = 0; i < 2; ++i) {
+    rays = to_light(random, {0, 0, 0}, {10, 10.0 * i, 0}, 0.1);
+    CHECK(occluders.between(rays, true, search) != nullptr);
+  }
+  CHECK(searches == 3);
 }

@@ -64,8 +64,6 @@ class CandidatePositions {
 /// may see it.
 class Candidates {
  public:
-  using SurfaceIndices = Lanes<std::uint32_t, double_lanes>;  ///< indices of surfaces in the scene's order
-
   [[nodiscard]] int size() const { return size_; }
   /// Returns the i-th surface's index in the scene's order.
   [[nodiscard]] int index(int i) const { return static_cast<int>(index_[slot(i)]); }

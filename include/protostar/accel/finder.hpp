@@ -27,7 +27,7 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// Returns what frustum_query tells of a surface without bounds: its index in one lane, in a sphere of
 /// infinite radius.
 [[nodiscard]] inline SurfacesAround around_unbounded(std::uint32_t index) {
-  return {Numbers(index), Bits{1}, SphereAround{Point{0}, infinity}};
+  return {SurfaceIndices(index), Bits{1}, SphereAround{Point{0}, infinity}};
 }
 
 /// Index of no surface.
@@ -122,7 +122,7 @@ class Finder<T> {
                      const VisitSurfaces& visit) const {
     traverse(bvh_, InHalfSpaces{in_box_space(half_spaces, bvh_)}, [&](Leaf leaf) {
       const std::uint32_t i = bvh_.order()[leaf.first];
-      visit({Numbers(first + i), Bits{1}, sphere_around((*surfaces_)[i])});
+      visit({SurfaceIndices(first + i), Bits{1}, sphere_around((*surfaces_)[i])});
       return false;
     });
     for (const std::uint32_t i : bvh_.unbounded()) visit(around_unbounded(first + i));
@@ -238,7 +238,8 @@ class Finder<Sphere> {
       for (std::uint32_t i = 0; i < leaf.count; i += double_lanes) {
         if (i % float_lanes == 0) within = leaves_.within(leaf, i, sides);
         if (const Bits some = within & first_bits(double_lanes); some != 0)
-          visit({indices_at(leaf.first + i) + Numbers(first), some, leaves_.around(leaf, i, bvh_.space())});
+          visit({indices_at(leaf.first + i) + SurfaceIndices(first), some,
+                 leaves_.around(leaf, i, bvh_.space())});
         within >>= double_lanes;
       }
       return false;
@@ -263,10 +264,10 @@ class Finder<Sphere> {
   [[nodiscard]] Fetch prefetcher() const { return {leaves_}; }
 
   /// Returns the indices of the surfaces from a position in the order of the leaves on.
-  [[nodiscard]] Numbers indices_at(std::size_t from) const {
+  [[nodiscard]] SurfaceIndices indices_at(std::size_t from) const {
     const auto& order = bvh_.order();
-    if (from + double_lanes <= order.size()) return Numbers::load(&order[from]);
-    return Numbers::of_each(
+    if (from + double_lanes <= order.size()) return SurfaceIndices::load(&order[from]);
+    return SurfaceIndices::of_each(
         [&](int lane) { return order[std::min(from + static_cast<std::size_t>(lane), order.size() - 1)]; });
   }
 

@@ -9,6 +9,8 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "../bvh/bvh.hpp"
@@ -221,42 +223,8 @@ class Occluders {
     ToLight& to_light = lists_for(rays, std::countr_zero(bits(which)));
     const SeenFrom from_light(to_light.light, rays, which);
     List* list = to_light.list_of(from_light);
-    if (list == nullptr) {
-      if (to_light.waits > 0) {
-        --to_light.waits;
-        return nullptr;
-      }
-      list = &to_light.lists[to_light.next++ % lists_each];
-      list->cone = ConeToLight(from_light, to_light.wide);
-      list->in_cone.clear();
-      int looked_at = least;
-      if (!list->cone.holds(from_light)) {  // false if they do not end together
-        list->cone.close();
-        return nullptr;
-      }
-      search(list->cone.half_spaces(), [&](const SurfacesAround& surfaces) {
-        const auto& [indices, lanes, around] = surfaces;
-        looked_at += std::popcount(lanes);
-        for (const int lane : lanes_in(lanes)) {
-          if (list->in_cone.size() > most) break;
-          const auto seen = list->cone.seen(around[lane]);
-          if (list->cone.may_hold(seen)) list->in_cone.add(static_cast<int>(indices[lane]), seen);
-        }
-      });
-      if (list->in_cone.size() > 2 * handy)
-        to_light.wide = std::max(1.5, 0.5 * to_light.wide);
-      else if (list->in_cone.size() < handy)
-        to_light.wide = std::min(8.0, 1.25 * to_light.wide);
-      // If the last list served few rays for the surfaces looked at, searching does not pay; each time in a
-      // row is followed by a longer pause.
-      to_light.pause = looked_at > worth * to_light.served ? std::min(4 * to_light.pause + 8, 1 << 12) : 0;
-      to_light.waits = to_light.pause;
-      to_light.served = 0;
-      if (list->in_cone.size() > most) {
-        list->cone.close();
-        return nullptr;
-      }
-    }
+    if (list == nullptr) list = to_light.new_list(from_light, search);
+    if (list == nullptr) return nullptr;
     to_light.served += std::popcount(bits(which));
     indices_.clear();
     list->in_cone.each_within(list->cone.around(from_light), [&](int index) { indices_.push_back(index); });
@@ -289,15 +257,62 @@ class Occluders {
     std::size_t next = 0;
     double wide = 4;  ///< width of a cone, as a multiple of that of a packet's rays
 
-    /// Number of rays that lists have served since the last search; number of packets without a list that are
-    /// still to be traced alone, and how many they were after the last search.
-    int served = 256, waits = 0, pause = 0;
+    std::int64_t served = 256;  ///< number of rays that lists have served since the last search
+
+    /// Number of packets without a list that are still to be traced alone, and how many they were after the
+    /// last search.
+    int waits = 0, pause = 0;
 
     /// Returns a list whose cone holds the rays; null if there is none.
     List* list_of(const SeenFrom& rays) {
       for (List& list : lists)
         if (list.cone.is_cone() && list.cone.holds(rays)) return &list;
       return nullptr;
+    }
+
+    /// Returns a new list, in place of the oldest, for a cone around the rays; null if each ray is better
+    /// traced alone: during a pause, if the rays do not end together, or if the list would be too long.
+    List* new_list(const SeenFrom& rays, const auto& search) {
+      if (waits > 0) {
+        --waits;
+        return nullptr;
+      }
+      List& list = lists[next++ % lists_each];
+      list.cone = ConeToLight(rays, wide);
+      list.in_cone.clear();
+      if (!list.cone.holds(rays)) {  // false if they do not end together
+        list.cone.close();
+        return nullptr;
+      }
+      int looked_at = least;
+      search(list.cone.half_spaces(), [&](const SurfacesAround& surfaces) {
+        const auto& [indices, lanes, around] = surfaces;
+        looked_at += std::popcount(lanes);
+        for (const int lane : lanes_in(lanes)) {
+          if (list.in_cone.size() > most) break;
+          const auto seen = list.cone.seen(around[lane]);
+          if (list.cone.may_hold(seen)) list.in_cone.add(static_cast<int>(indices[lane]), seen);
+        }
+      });
+      adapt(list.in_cone.size(), looked_at);
+      if (list.in_cone.size() <= most) return &list;
+      list.cone.close();
+      return nullptr;
+    }
+
+   private:
+    /// Adapts the width of the next cone to the length of this list, and the pause before its search to what
+    /// this search took and the last list saved.
+    void adapt(std::size_t length, int looked_at) {
+      if (length > 2 * handy)
+        wide = std::max(1.5, 0.5 * wide);
+      else if (length < handy)
+        wide = std::min(8.0, 1.25 * wide);
+      // If the last list served few rays for the surfaces looked at, searching does not pay; each time in a
+      // row is followed by a longer pause.
+      pause = looked_at > worth * served ? std::min(4 * pause + 8, 1 << 12) : 0;
+      waits = pause;
+      served = 0;
     }
   };
 

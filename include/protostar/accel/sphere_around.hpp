@@ -35,12 +35,12 @@ struct SpheresAround {
   [[nodiscard]] SphereAround operator[](int lane) const { return {center[lane], radius[lane], inner[lane]}; }
 };
 
-/// Indices of surfaces, one in each lane.
-using Numbers = Lanes<std::uint32_t, double_lanes>;
+/// Indices of surfaces in the scene's order, one in each lane.
+using SurfaceIndices = Lanes<std::uint32_t, double_lanes>;
 
-/// Some surfaces, by their indices in the scene's order, and spheres around them, in lanes whose bit is set.
+/// Some surfaces and the spheres around them, in lanes whose bit is set.
 struct SurfacesAround {
-  Numbers indices;
+  SurfaceIndices indices;
   Bits lanes;
   SpheresAround around;
 };
