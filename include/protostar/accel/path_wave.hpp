@@ -161,11 +161,12 @@ class PathWave {
 
 /// Follows the paths of sample i of the pixels of some packets in a part of a tile, and calls give(k, light)
 /// with the light of packet k. A path begins at the closest hit of its camera ray. For packet k, packets[k]
-/// is the pixel of its first lane, found[k] holds its camera rays, and closest[k] what they hit first.
+/// is the pixel of its first lane, ray_numbers[k] are those of its camera rays, and closest[k] what they hit
+/// first.
 template <class I, class View>
 [[gnu::noinline]] void follow_paths(const I& integrator, const View& view, const PixelRays& rays_of,
                                     const Tile& part, int i, std::span<const PacketStart> packets,
-                                    const PacketRays* found, const typename View::Closest* closest,
+                                    const PacketRays* ray_numbers, const typename View::Closest* closest,
                                     const auto& give) {
   PathWave<I> wave;
   for (std::size_t first = 0; first < packets.size(); first += wave.most_starting_packets) {
@@ -173,7 +174,7 @@ template <class I, class View>
     for (std::size_t k = 0; k < count; ++k) {
       const auto [x, y] = packets[first + k];
       view.set_packet_position(x, y, i);
-      const CameraPacket rays = rays_of.packet(part, x, y, i, found[first + k]);
+      const CameraPacket rays = rays_of.packet(part, x, y, i, ray_numbers[first + k]);
       const auto begin = [&, x = x, y = y](const Ray& ray, const SurfaceCrossing& hit, int lane) {
         wave.begin(ray, hit, x + lane, y, k, lane);
       };

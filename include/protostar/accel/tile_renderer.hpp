@@ -258,8 +258,8 @@ class TileRenderer {
     // Rays that stand for all that miss; they are used only if visibility is known.
     const CameraPacket any_rays =
         is_known ? rays_.packet(part, part.x0, part.y0, i) : CameraPacket(Vectors(Vec3{0}), Vectors(Vec3{0}));
-    PacketStart open[most_packets];
-    PacketRays found[most_packets];
+    PacketStart starts[most_packets];
+    PacketRays ray_numbers[most_packets];
     Closest closest[most_packets];
     std::size_t count = 0;
     std::uint64_t skipped = 0;
@@ -267,31 +267,31 @@ class TileRenderer {
       const SeenByPacket by_packet = seen_from(x, y);
       if (const Indices seen = by_packet.surely(); is_known && !needs_rays(seen, view)) {
         skipped += static_cast<std::uint64_t>(std::min(double_lanes, part.x1 - x));
-        // The places of pixels, and so the weights, are common here: found[count] is not read.
-        return add(part, x, y, i, found[count], shade_seen(seen, any_rays, view), work);
+        // The places of pixels, and so the weights, are common here: ray_numbers[count] is not read.
+        return add(part, x, y, i, ray_numbers[count], shade_seen(seen, any_rays, view), work);
       }
       if (candidates_.are_from_bvh() && is_known) view.prefetch_seen(by_packet.indices);
       if (keeps_light_) prefetch_packet(*target_.image(), part, x, y);
-      rays_.compute_rays(x, y, i, found[count]);
-      open[count++] = {x, y};
+      rays_.compute_rays(x, y, i, ray_numbers[count]);
+      starts[count++] = {x, y};
     });
     for (std::size_t k = 0; k < count; ++k) {
-      const auto [x, y] = open[k];
+      const auto [x, y] = starts[k];
       view.set_packet_position(x, y, i);
-      const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
+      const CameraPacket rays = rays_.packet(part, x, y, i, ray_numbers[k]);
       closest[k] = is_known ? view.closest(CameraPacket(rays), work.visibility(x, y)) : view.closest(rays);
       if (candidates_.are_from_bvh() && !is_known) view.prefetch_seen(closest[k].index);
     }
     if constexpr (FollowsPaths<I>)
-      follow_paths(integrator_, view, rays_, part, i, {open, count}, found, closest,
+      follow_paths(integrator_, view, rays_, part, i, {starts, count}, ray_numbers, closest,
                    [&](std::size_t k, const Colors& light) {
-                     add(part, open[k].x, open[k].y, i, found[k], light, work);
+                     add(part, starts[k].x, starts[k].y, i, ray_numbers[k], light, work);
                    });
     else
       for (std::size_t k = 0; k < count; ++k) {
-        const int x = open[k].x, y = open[k].y;
+        const int x = starts[k].x, y = starts[k].y;
         view.set_packet_position(x, y, i);
-        const CameraPacket rays = rays_.packet(part, x, y, i, found[k]);
+        const CameraPacket rays = rays_.packet(part, x, y, i, ray_numbers[k]);
         const auto shade = [&](const auto& hits, auto... lane) {
           if constexpr (takes_sampler)
             return integrator_.shade(hits, view, sampler_in(rays_.pixels().samplers(x, y, i), lane...));
@@ -304,9 +304,9 @@ class TileRenderer {
               rays, closest[k], [&] { return integrator_.background(rays, view); }, shade_hits);
         };
         if constexpr (ShadesEachHit<I>)
-          add(part, x, y, i, found[k], shade_by(shade_one), work);
+          add(part, x, y, i, ray_numbers[k], shade_by(shade_one), work);
         else
-          add(part, x, y, i, found[k], shade_by(shade), work);
+          add(part, x, y, i, ray_numbers[k], shade_by(shade), work);
       }
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;
   }
@@ -323,19 +323,19 @@ class TileRenderer {
         view.set_packet_position(x, y, i);
         view.set_crossed(is_tested ? &work.state.crossed : nullptr,
                          (y - block.y0) * RayBlock::width + (x - block.x0));
-        PacketRays found;
+        PacketRays ray_numbers;
         if (computes_rays)
-          rays_.compute_rays(x, y, i, found);
+          rays_.compute_rays(x, y, i, ray_numbers);
         else
-          found.directions = Vec3{0}, found.time = 0.0;
-        const CameraPacket rays = rays_.packet(part, x, y, i, found);
+          ray_numbers.directions = Vec3{0}, ray_numbers.time = 0.0;
+        const CameraPacket rays = rays_.packet(part, x, y, i, ray_numbers);
         const auto radiance = [&] {
           if constexpr (takes_sampler)
             return integrator_.radiance(rays, view, rays_.pixels().samplers(x, y, i));
           else
             return integrator_.radiance(rays, view);
         };
-        add(part, x, y, i, found, radiance(), work);
+        add(part, x, y, i, ray_numbers, radiance(), work);
       });
     });
     work.state.counts.pixels_skipped += skipped, work.state.counts.camera_rays -= skipped;

@@ -273,7 +273,7 @@ class TileScene : public HitsAmongFew<S...> {
   void visit_crossings(std::int64_t index, const CameraPacket& rays, LaneMask lanes, Interval range,
                        const auto& visit_crossing) const {
     visit(index, [&](const auto& surface, const Material& material) {
-      const LaneMask maybe = may_cross(surface, index, rays, lanes, range);
+      const LaneMask maybe = may_cross(surface, index, lanes, range);
       count_tests(maybe);
       if (material.texture)
         return each_textured_crossing(surface, material, rays, maybe, range, visit_crossing);
@@ -285,8 +285,8 @@ class TileScene : public HitsAmongFew<S...> {
 
   /// Returns which rays may cross a surface inside the range, as far as its visibility buffer tells.
   template <Surface T>
-  [[nodiscard]] LaneMask may_cross(const T&, [[maybe_unused]] std::int64_t index, const CameraPacket&,
-                                   LaneMask lanes, [[maybe_unused]] Interval range) const {
+  [[nodiscard]] LaneMask may_cross(const T&, [[maybe_unused]] std::int64_t index, LaneMask lanes,
+                                   [[maybe_unused]] Interval range) const {
     if constexpr (RasterizedSurface<T>)
       if (const auto* const drawn = this->template buffer_at<T>(index); drawn && range.min >= 0) {
         count_tests(lanes);
