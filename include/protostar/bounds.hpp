@@ -11,6 +11,9 @@ struct Bounds {
   Point min, max;
 };
 
+/// Tests whether a box has finite ends.
+[[nodiscard]] inline bool is_finite(const Bounds& box) { return is_finite(box.min) && is_finite(box.max); }
+
 /// Widens a box whose ends have been rounded once each, so that it contains the exact box: a rounding is at
 /// most half a unit in the last place, and 2^-52 |x| is a whole one or more.
 [[nodiscard]] inline Bounds outward(const Bounds& rounded) {

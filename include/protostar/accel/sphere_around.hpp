@@ -52,8 +52,7 @@ using VisitSurfaces = FunctionRef<void(const SurfacesAround&)>;
 template <Surface S>
 [[nodiscard]] bool has_bounds(const S& surface) {
   if constexpr (SurfaceWithBounds<S>) {
-    const auto [min, max] = surface.bounds();
-    return is_finite(min) && is_finite(max);
+    return is_finite(surface.bounds());
   } else {
     return false;
   }

@@ -36,6 +36,10 @@ class Bvh {
   /// not depend on it. Throws std::length_error if there are more than largest_tree.
   Bvh(std::size_t count, const auto& bounds_of, LeafSize leaf_size, const RenderOptions& options) {
     if (count > largest_tree) throw std::length_error("accelerate: more than 2^27 surfaces of one type");
+    const auto each_bounded = [&](std::size_t first, std::size_t last, const auto& visit) {
+      for (std::size_t i = first; i < last; ++i)
+        if (const Bounds bounds = bounds_of(i); is_finite(bounds)) visit(i, bounds);
+    };
     const protostar::detail::Parts parts{0, count};
     struct Part {
       Bounds bounds{Point{infinity}, Point{-infinity}};
@@ -44,11 +48,10 @@ class Bvh {
     PlainVector<Part> of_parts(static_cast<std::size_t>(parts.count()));
     parts.each(options, [&](std::size_t k, std::size_t first, std::size_t last) {
       Part part;
-      for (std::size_t i = first; i < last; ++i)
-        if (const Bounds bounds = bounds_of(i); is_finite(bounds.min) && is_finite(bounds.max)) {
-          part.bounds = {glm::min(part.bounds.min, bounds.min), glm::max(part.bounds.max, bounds.max)};
-          ++part.count;
-        }
+      each_bounded(first, last, [&](std::size_t, const Bounds& bounds) {
+        part.bounds = {glm::min(part.bounds.min, bounds.min), glm::max(part.bounds.max, bounds.max)};
+        ++part.count;
+      });
       of_parts[k] = part;
     });
     Part all;
@@ -58,19 +61,17 @@ class Bvh {
     }
     if (all.count < count)
       for (std::size_t i = 0; i < count; ++i)
-        if (const Bounds bounds = bounds_of(i); !is_finite(bounds.min) || !is_finite(bounds.max))
-          unbounded_.push_back(static_cast<std::uint32_t>(i));
+        if (!is_finite(bounds_of(i))) unbounded_.push_back(static_cast<std::uint32_t>(i));
     if (all.count == 0) return;
     space_ = BoxSpace(all.bounds);
     PlainVector<Box> boxes(all.count);
     PlainVector<std::uint32_t> order(all.count);
     parts.each(options, [&](std::size_t k, std::size_t first, std::size_t last) {
       std::size_t place = of_parts[k].count;
-      for (std::size_t i = first; i < last; ++i)
-        if (const Bounds bounds = bounds_of(i); is_finite(bounds.min) && is_finite(bounds.max)) {
-          boxes[place] = space_(bounds);
-          order[place++] = static_cast<std::uint32_t>(i);
-        }
+      each_bounded(first, last, [&](std::size_t i, const Bounds& bounds) {
+        boxes[place] = space_(bounds);
+        order[place++] = static_cast<std::uint32_t>(i);
+      });
     });
     tree_ = TreeBuilder(std::move(boxes), std::move(order), leaf_size, options).build();
   }

@@ -230,7 +230,7 @@ class Rotated {
   }
   [[nodiscard]] Bounds bounds(double level = 0) const {
     const Bounds own = field_.bounds(level);
-    if (!is_finite(own.min) || !is_finite(own.max)) return {Point(-infinity), Point(infinity)};
+    if (!is_finite(own)) return {Point(-infinity), Point(infinity)};
     const Vec3 half = 0.5 * (own.max - own.min);
     const Vec3 reach = half.x * abs(turned_.x) + half.y * abs(turned_.y) + half.z * abs(turned_.z);
     const Point center = turned_.vector(0.5 * (own.min + own.max));

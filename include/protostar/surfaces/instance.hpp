@@ -188,7 +188,7 @@ class Instance<S> {
   /// of it are more than all errors.
   [[nodiscard]] static Bounds bounds_of_image(const Bounds& inner, const Affine& placement) {
     const Bounds everywhere{.min = Point{-infinity}, .max = Point{infinity}};
-    if (!is_finite(inner.min) || !is_finite(inner.max)) return everywhere;
+    if (!is_finite(inner)) return everywhere;
     Bounds box{placement.translation, placement.translation};
     Vec3 sizes = abs(placement.translation);
     for (int k = 0; k < 3; ++k) {
@@ -200,7 +200,7 @@ class Instance<S> {
     }
     const Vec3 margin = 0x1p-50 * sizes + Vec3(0x1p-1070);  // the constant for underflow
     box = {box.min - margin, box.max + margin};
-    return is_finite(box.min) && is_finite(box.max) ? box : everywhere;
+    return is_finite(box) ? box : everywhere;
   }
 
   S surface_;
