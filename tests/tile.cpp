@@ -579,8 +579,7 @@ TEST_CASE("the rays of so many samples that tables of them would be too large ar
   const Camera camera = skewed_camera(random, random.point(2), 1);
   const RenderOptions options{.samples = 1 << 17};
   for (const Camera& one : {camera, with_any_film(random, camera, 1), parallel(camera, 0.7)})
-    for (const int i : {0, 12345, (1 << 17) - 1})
-      CHECK(wrong_rays(random, one, 33, 17, options, i) == 0);
+    for (const int i : {0, 12345, (1 << 17) - 1}) CHECK(wrong_rays(random, one, 33, 17, options, i) == 0);
 
   // Tables for this size would take almost a terabyte.
   const Camera pinhole{.position = {1, 2, 3}};
