@@ -76,17 +76,41 @@ class Accelerated<Scene<S...>> {
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 
-  /// Returns the surfaces that the ray departs from: the one in ray.departure.surface and all that coincide
-  /// with it. Bit k is the k-th surface of the scene. Returns 0 for a ray from free space, and for types
-  /// without is_left_by or with primitives. Precondition: at most few_surfaces surfaces.
+  /// Returns the surfaces that lie in the geometry that the ray departs from, such as the one that it leaves
+  /// and all that coincide with it: those with is_left_by true. Bit k is the k-th surface of the scene.
+  /// Returns 0 for a ray from free space. Precondition: at most few_surfaces surfaces.
   [[nodiscard]] simd::Bits departed_together(const Ray& ray) const {
+    if (ray.departure.kind == Departure::Kind::none) return 0;
     std::size_t index = 0;
     const auto is_of = [&]<class T>(std::type_identity<T>) {
       const std::uint32_t departed = departed_by<T>(ray);
       index += departed == simd::no_surface ? scene_->template surfaces<T>().size() : departed;
-      return departed != simd::no_surface;
+      return departed != simd::no_surface && !is_made_of_primitives<T>;
     };
-    return (is_of(std::type_identity<S>{}) || ...) ? departed_together_[index] : 0;
+    return (is_of(std::type_identity<S>{}) || ...) ? departed_together_[index] : left_by(ray);
+  }
+
+  /// Replaces `first`, the closest hit of a ray inside a range among the surfaces of all types before T, or
+  /// none, by the closest among those of T as well, and ends the range there.
+  template <class T>
+  void look_for_first(const Ray& ray, Interval& range, SurfaceCrossing& first) const {
+    const auto& surfaces = scene_->template surfaces<T>();
+    const auto& materials = scene_->template materials<T>();
+    if (surfaces.empty()) return;
+    std::uint32_t first_index = 0;  // surfaces of other types looked at so far come before
+    const auto look_at = [&](std::uint32_t i) {
+      const auto crossing = first_crossing(surfaces[i], ray, range);
+      if (!crossing) return;
+      const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, materials[i]);
+      if (first.surface != nullptr && !precedes(ray, candidate, i, first, first_index)) return;
+      first = candidate;
+      first_index = i;
+      // Crossings that may precede this one, given its error, stay in range.
+      range.max = std::min(range.max, upper_bound_of(crossing->t));
+    };
+    const std::uint32_t departed = departed_by<T>(ray);
+    if (departed != simd::no_surface && !leaves_for_good(surfaces[departed], ray, range)) look_at(departed);
+    finder<T>().search_closest(ray, range, departed, look_at);
   }
 
   /// Throws std::logic_error if the scene has more or fewer surfaces of a type than when it was accelerated.
@@ -123,46 +147,30 @@ class Accelerated<Scene<S...>> {
                            "; accelerate it again after its surfaces have changed");
   }
 
-  /// Fills departed_together_: for each surface A, the set of surfaces B with is_left_by true for a ray that
-  /// departs from A: A itself, and each B that coincides with it.
-  void find_departed_together() {
-    const auto each = [&](const auto& visit) {
-      std::size_t index = 0;
-      const auto each_of = [&](const auto& surfaces) {
-        for (const auto& surface : surfaces) visit(surface, index++);
-      };
-      (each_of(scene_->template surfaces<S>()), ...);
+  /// Calls visit(surface, k) for each surface, the k-th of the scene.
+  void each_surface(const auto& visit) const {
+    std::size_t index = 0;
+    const auto each_of = [&](const auto& surfaces) {
+      for (const auto& surface : surfaces) visit(surface, index++);
     };
-    each([&]<class T>(const T& departed, std::size_t index) {
-      if constexpr (!is_made_of_primitives<T>) {
-        const Ray ray{.departure = functions_of<T>.departure(&departed, 0)};
-        each([&](const auto& surface, std::size_t k) {
-          if constexpr (requires { surface.is_left_by(ray); })
-            departed_together_[index] |= simd::Bits{surface.is_left_by(ray)} << k;
-        });
-      }
-    });
+    (each_of(scene_->template surfaces<S>()), ...);
   }
 
-  template <class T>
-  void look_for_first(const Ray& ray, Interval& range, SurfaceCrossing& first) const {
-    const auto& surfaces = scene_->template surfaces<T>();
-    const auto& materials = scene_->template materials<T>();
-    if (surfaces.empty()) return;
-    std::uint32_t first_index = 0;  // surfaces of other types looked at so far come before
-    const auto look_at = [&](std::uint32_t i) {
-      const auto crossing = first_crossing(surfaces[i], ray, range);
-      if (!crossing) return;
-      const SurfaceCrossing candidate = crossing_on(surfaces[i], *crossing, materials[i]);
-      if (first.surface != nullptr && !precedes(ray, candidate, i, first, first_index)) return;
-      first = candidate;
-      first_index = i;
-      // Crossings that may precede this one, given its error, stay in range.
-      range.max = std::min(range.max, upper_bound_of(crossing->t));
-    };
-    const std::uint32_t departed = departed_by<T>(ray);
-    if (departed != simd::no_surface && !leaves_for_good(surfaces[departed], ray, range)) look_at(departed);
-    finder<T>().search_closest(ray, range, departed, look_at);
+  /// Returns the surfaces with is_left_by true for a ray.
+  [[nodiscard]] simd::Bits left_by(const Ray& ray) const {
+    simd::Bits left = 0;
+    each_surface([&](const auto& surface, std::size_t k) {
+      if constexpr (requires { surface.is_left_by(ray); }) left |= simd::Bits{surface.is_left_by(ray)} << k;
+    });
+    return left;
+  }
+
+  /// Fills departed_together_ for the surfaces without primitives, which have one departure each.
+  void find_departed_together() {
+    each_surface([&]<class T>(const T& departed, std::size_t index) {
+      if constexpr (!is_made_of_primitives<T>)
+        departed_together_[index] = left_by({.departure = functions_of<T>.departure(&departed, 0)});
+    });
   }
 
   template <class T>

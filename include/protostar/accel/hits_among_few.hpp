@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <new>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 #include "../large_pages.hpp"
@@ -29,19 +30,33 @@ class HitsAmongFew : public TileHits<S...> {
  protected:
   using Base::count_tests, Base::scene_, Base::state_;
 
-  /// True if all types have equations that take packets, and no primitives.
-  static constexpr bool tests_in_lanes = double_lanes > 2 && ((takes_packets<S> && !SurfaceOfLanes<S> &&
-                                                               !is_made_of_primitives<S>)&&...);
+  /// True for a type whose equation takes packets, without primitives.
+  template <class T>
+  static constexpr bool is_tested_in_lanes =
+      takes_packets<T> && !SurfaceOfLanes<T> && !is_made_of_primitives<T>;
+
+  /// True if there are such types, and all others come behind them in the scene's order.
+  static constexpr bool tests_in_lanes = [] {
+    bool any = false, any_other = false, in_order = true;
+    ((is_tested_in_lanes<S> ? (any = true, in_order = in_order && !any_other) : (any_other = true)), ...);
+    return double_lanes > 2 && any && in_order;
+  }();
+
+  /// Returns the number of surfaces of these types.
+  [[nodiscard]] std::size_t tested_in_lanes() const {
+    return ((is_tested_in_lanes<S> ? scene_.template surfaces<S>().size() : 0) + ...);
+  }
 
   /// Smallest number of rays that are tested in lanes. The Cornell box takes as long with 5, and 1.05 times
   /// as long with 1.
   static constexpr std::size_t fewest_in_lanes = 3;
 
-  /// Finds the closest hits of some rays by tests of all surfaces: ray(k) is the k-th, and its hit becomes
-  /// *place(k), which is not initialized. The surface that a ray leaves is tested with that ray alone, which
-  /// knows its departure, and so is each surface that coincides with it: far from the scene's origin, the
-  /// rounded origin of the ray is certainly off that surface, and a test in lanes would be sure of a wrong
-  /// hit. Planes are not crossed again. `everything` answers for rays in doubt.
+  /// Finds the closest hits of some rays: ray(k) is the k-th, and its hit becomes *place(k), which is not
+  /// initialized. All surfaces of types that are tested in lanes are tested, and then `everything` looks for
+  /// closer hits on others. The surface that a ray leaves is tested with that ray alone, which knows its
+  /// departure, and so is each surface that coincides with it: far from the scene's origin, the rounded
+  /// origin of the ray is certainly off that surface, and a test in lanes would be sure of a wrong hit.
+  /// Planes are not crossed again. `everything` answers for rays in doubt.
   void intersect_in_lanes(const Accelerated<Scene<S...>>& everything, std::size_t count, const auto& ray,
                           const auto& place) const {
     constexpr auto lanes = static_cast<std::size_t>(double_lanes);
@@ -79,7 +94,10 @@ class HitsAmongFew : public TileHits<S...> {
         Base::keep_closer(first, index++, found, in_doubt);
       }
     };
-    (test_all(scene_.template surfaces<S>()), ...);
+    const auto test_if_in_lanes = [&]<class T>(std::type_identity<T>) {
+      if constexpr (is_tested_in_lanes<T>) test_all(this->scene_.template surfaces<T>());
+    };
+    (test_if_in_lanes(std::type_identity<S>{}), ...);
 
     state_.counts.other_rays += count;
     for (std::size_t k = 0; k < count; ++k) {
@@ -88,15 +106,24 @@ class HitsAmongFew : public TileHits<S...> {
       if ((bits(in_doubt) >> k & 1) != 0) {
         ++state_.counts.in_doubt;
         new (place(k)) std::optional<Intersection>(everything.intersect(one, Interval{}));
-      } else if (found.index[lane] < 0) {
-        new (place(k)) std::optional<Intersection>();
-      } else {
+        continue;
+      }
+      SurfaceCrossing first;
+      if (found.index[lane] >= 0)
         visit(found.index[lane], [&](const auto& surface, const Material& material) {
           const Crossing crossing{found.t[lane], static_cast<int>(bits(found.is_far) >> k & 1)};
-          new (place(k))
-              std::optional<Intersection>(std::in_place, one, crossing_on(surface, crossing, material));
+          first = crossing_on(surface, crossing, material);
         });
-      }
+      Interval range;
+      if (first.surface != nullptr) range.max = upper_bound_of(first.crossing.t);
+      const auto look_if_other = [&]<class T>(std::type_identity<T>) {
+        if constexpr (!is_tested_in_lanes<T>) everything.template look_for_first<T>(one, range, first);
+      };
+      (look_if_other(std::type_identity<S>{}), ...);
+      if (first.surface == nullptr)
+        new (place(k)) std::optional<Intersection>();
+      else
+        new (place(k)) std::optional<Intersection>(std::in_place, one, first);
     }
   }
 };

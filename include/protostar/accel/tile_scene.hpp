@@ -79,7 +79,7 @@ class TileScene : public HitsAmongFew<S...> {
   /// k-th, and its closest hit becomes *result(k), which is not initialized.
   void intersect_each(std::size_t count, const auto& ray, const auto& result) const {
     if constexpr (Base::tests_in_lanes)
-      if (count >= Base::fewest_in_lanes && scene_.size() <= few_surfaces)
+      if (count >= Base::fewest_in_lanes && scene_.size() <= few_surfaces && this->tested_in_lanes() > 0)
         return this->intersect_in_lanes(accelerated_, count, ray, result);
     for (std::size_t k = 0; k < count; ++k)
       new (result(k)) std::optional<Intersection>(intersect(ray(k), Interval{}));  // in place
