@@ -30,6 +30,19 @@ ExactNumber height_over(const PlaneEquation& plane, const Point& x) {
   return height;
 }
 
+/// Returns the unit vector along an exact vector that is not 0.
+Vec3 unit_along_exact(const ExactVector& n) {
+  int largest = -100000;
+  for (const ExactNumber& x : n)
+    if (x.sign() != 0) largest = std::max(largest, x.approximation().exponent);
+  Vec3 v;
+  for (int i = 0; i < 3; ++i) {
+    const auto [value, exponent] = n[static_cast<std::size_t>(i)].approximation();
+    v[i] = value.hi == 0 ? 0 : std::ldexp(value.hi, exponent - largest);
+  }
+  return normalize(v);
+}
+
 Plane plane_of(const PlaneEquation& equation) {
   return {.normal = {equation[0], equation[1], equation[2]}, .distance = equation[3]};
 }
@@ -76,6 +89,54 @@ TEST_CASE("a ray that leaves one of several surfaces in one tilted plane leaves 
       }
   }
   CHECK(wrong == 0);
+}
+
+TEST_CASE(
+    "equations of planes are rounded to nearest, and normals are right, however small their numbers are") {
+  Random random(83);
+  WrongCases wrong(random);
+  for (int i = 0; i < 20000; ++i) {
+    const auto number = [&] {
+      const int exponents[] = {0, 0, 60, -60, 390, -390, -900, -1040, -1074};
+      return std::ldexp(static_cast<double>(random.whole(15)), exponents[random.whole(4) + 4]);
+    };
+    const auto vector = [&] { return Vec3{number(), number(), number()}; };
+    const Point p = vector();
+    const Vec3 u = vector(),
+               v = i % 2 == 0 ? vector() : u + Vec3{0, 0, 0x1p-1073 * static_cast<double>(random.whole(9))};
+    const auto nearest = [](const ExactVector& n, const Point& at) {
+      return detail::nearest_plane(n, dot(n, exact_vector(at)));
+    };
+    const auto is_off = [](const Vec3& unit, const ExactVector& n) {
+      return !(length(unit - unit_along_exact(n)) < 1e-15);
+    };
+    if (u != Vec3{0}) wrong.add(plane_at(p, u) != nearest(exact_vector(u), p), p, u);
+    const ExactVector along = cross(exact_vector(u), exact_vector(v)), through = exact_normal(p, u, v);
+    if (along != ExactVector{}) {
+      wrong.add(plane_through(p, u, v) != nearest(along, p), p, u, v);
+      wrong.add(is_off(unit_normal(u, v), along), u, v);
+    }
+    if (through != ExactVector{}) {
+      wrong.add(plane_through_points(p, u, v) != nearest(through, p), p, u, v);
+      wrong.add(is_off(unit_normal_through(p, u, v), through), p, u, v);
+    }
+  }
+  CHECK(wrong == 0);
+}
+
+TEST_CASE("a ray that leaves a surface with numbers near the smallest double does not hit it again") {
+  const AnySurface surfaces[] = {
+      Disk{.position = {4, -1, 1}, .normal = {-0x1.9p1000, 0, -0x1p-73}, .radius = 4},
+      Parallelogram{{-4, 1.5, 4}, {12, -7.5, 0}, {12, -7.5, 0x1p-1074}},
+      Triangle{Point{0}, {12, -7.5, 0}, {12, -7.5, 0x1p-1070}}};
+  for (const AnySurface& surface : surfaces) {
+    const Ray ray{.origin = {20, -10, 3}, .direction = {-3, 2, -1}, .departure = departure_of(surface)};
+    CHECK_FALSE(first_crossing(surface, ray, whole_line));
+    for (const Vec3& direction : {Vec3{-1, 0, 0}, Vec3{0, 1, 0}}) {
+      const Ray other{surface.bounds().min, direction, departure_of(surface)};
+      CHECK_FALSE(first_crossing(surface, other, whole_line));
+    }
+  }
 }
 
 TEST_CASE("planes whose rounded equations differ in the last place of one number are told apart") {

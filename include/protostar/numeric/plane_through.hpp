@@ -10,8 +10,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <initializer_list>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "../bit_cast.hpp"
 #include "../vec3.hpp"
@@ -25,22 +27,28 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Vector in double-double.
 using RefinedVector = std::array<DoubleDouble, 3>;
 
+/// Returns true if each number of some vectors is 0 or at least 2^-400 of their largest. Times a power of two
+/// with which the largest is at least 2^-101, no digit of them or of their differences is then below 2^-554,
+/// and none of a product of two below 2^-1074: scaling and products are exact.
+[[nodiscard]] inline bool are_commensurate(std::initializer_list<Vec3> vectors) {
+  const double least = scaled(1.0, exponent_of(vectors) - 400);
+  return std::all_of(vectors.begin(), vectors.end(), [&](const Vec3& v) {
+    const auto is_large = [&](double x) { return x == 0 || std::abs(x) >= least; };
+    return is_large(v.x) && is_large(v.y) && is_large(v.z);
+  });
+}
+
 /// Returns b − a exactly.
 [[nodiscard]] inline RefinedVector refined_difference(const Vec3& b, const Vec3& a) {
   return {two_sum(b.x, -a.x), two_sum(b.y, -a.y), two_sum(b.z, -a.z)};
 }
 
-/// Returns u × v, each component with an error of at most 2^-104 of itself: the products are exact, and their
-/// difference is rounded by 3u² + 13u³. Hence a component is 0 only if the exact one is.
+/// Returns u × v, each component with an error of at most 2^-104 of itself: the products are exact if they do
+/// not underflow (are_commensurate), and their difference is rounded by 3u² + 13u³. Hence a component is 0
+/// only if the exact one is.
 [[nodiscard]] inline RefinedVector cross_product(const Vec3& u, const Vec3& v) {
   const auto component = [&](int j, int k) { return two_product(u[j], v[k]) - two_product(u[k], v[j]); };
   return {component(1, 2), component(2, 0), component(0, 1)};
-}
-
-/// Returns the unit normal along u × v, whatever the lengths of both; NaN if they are parallel.
-[[nodiscard]] inline Vec3 unit_normal(const Vec3& u, const Vec3& v) {
-  const auto n = cross_product(of_moderate_size(u), of_moderate_size(v));
-  return normalize(of_moderate_size({n[0].hi, n[1].hi, n[2].hi}));
 }
 
 /// Numbers of the equation normal · x = distance (normal, then distance), divided by the largest component of
@@ -97,6 +105,9 @@ namespace detail {
 /// In units of u², an exact normal, or one with an error of 3, gives quotients 3 + 3 + 16; the distance has 3
 /// + 7 + 3 + 3 of the magnitudes of its terms, and its quotient 3 + 16 more. All are below 2^-100 = 64u². If
 /// the normal's error is large against that, a quotient has twice as much, and the distance as much.
+///
+/// Precondition: the position's components are 0 or from 2^-401 to 1, so that no term is below 2^-901, or
+/// product of two digits below 2^-1007, and nothing underflows.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
                                                                    const RefinedVector& n, double error) {
   const auto size = [&](std::size_t i) { return std::abs(n[i].hi); };
@@ -105,10 +116,12 @@ namespace detail {
     if (error != 0 && std::abs(size(i) - size(k)) <= 0x1p-50 * size(k)) return std::nullopt;
     if (size(i) > size(k)) k = i;
   }
+  if (!(size(k) > 0x1p-200)) return std::nullopt;
   error = std::max(error, 0x1p-100);
   PlaneEquation equation;
   const auto is_rounded = [&](std::size_t i, DoubleDouble q, double uncertain) {
     equation[i] = q.hi;
+    if (q.hi != 0 && !(std::abs(q.hi) > 0x1p-300)) return false;
     return q.hi + (q.lo + uncertain) == q.hi && q.hi + (q.lo - uncertain) == q.hi;
   };
   DoubleDouble distance;
@@ -124,16 +137,14 @@ namespace detail {
 }
 
 /// Returns u × v of vectors in double-double, each component with an error of at most 2^-82 of itself, and 0
-/// only if the exact one is; empty if more than 20 binary digits cancel in one component. The products have
-/// errors of 5u², and their difference 3u²: 8u² = 2^-103 of the magnitudes of both. For doubles whose
-/// products do not underflow, such as differences of floats, the faster cross_product is used, and
-/// cancellation does no harm.
+/// only if the exact one is; empty if more than 20 binary digits cancel in one component. The products, which
+/// must not underflow, have errors of 5u², and their difference 3u²: 8u² = 2^-103 of the magnitudes of both.
+/// For doubles, such as differences of floats, the faster cross_product is used, and cancellation does no
+/// harm.
 [[nodiscard]] inline std::optional<RefinedVector> refined_cross_product(const RefinedVector& u,
                                                                         const RefinedVector& v) {
   const auto are_doubles = [](const RefinedVector& x) {
-    return std::all_of(x.begin(), x.end(), [](const DoubleDouble& a) {
-      return a.lo == 0 && (a.hi == 0 || std::abs(a.hi) > 0x1p-400);
-    });
+    return std::all_of(x.begin(), x.end(), [](const DoubleDouble& a) { return a.lo == 0; });
   };
   if (are_doubles(u) && are_doubles(v))
     return cross_product({u[0].hi, u[1].hi, u[2].hi}, {v[0].hi, v[1].hi, v[2].hi});
@@ -148,50 +159,61 @@ namespace detail {
   return n;
 }
 
+/// Returns u × v, times a power of two, each component with an error of at most 2^-104 of itself, if it is
+/// known so well.
+[[nodiscard]] inline std::optional<RefinedVector> refined_normal_along(const Vec3& u, const Vec3& v) {
+  if (!are_commensurate({u}) || !are_commensurate({v})) return std::nullopt;
+  return cross_product(of_moderate_size(u), of_moderate_size(v));
+}
+
 /// Returns the equation of the plane through a point with a given normal, whose components have relative
 /// errors of at most `error`; without rounding it is exact_normal().
 [[nodiscard, gnu::noinline]] PlaneEquation rounded_plane_at(const Point& position,
                                                             const std::optional<RefinedVector>& normal,
                                                             double error, const auto& exact_normal) {
-  const int lengths = exponent_of({position});
-  const Point p = scaled(position, -lengths);
-  std::optional<PlaneEquation> equation;
-  if (normal) equation = refined_plane_at(p, *normal, error);
-  if (!equation) {
-    const ExactVector n = exact_normal();
-    equation = nearest_plane(n, dot(n, exact_vector(p)));
+  if (normal && are_commensurate({position})) {
+    const int lengths = exponent_of({position});
+    if (auto equation = refined_plane_at(scaled(position, -lengths), *normal, error)) {
+      double& distance = (*equation)[3];
+      const double in_lengths = std::exchange(distance, std::ldexp(distance, lengths));
+      if (std::ldexp(distance, -lengths) == in_lengths) return *equation;  // not rounded once more
+    }
   }
-  (*equation)[3] = std::ldexp((*equation)[3], lengths);
-  return *equation;
+  const ExactVector n = exact_normal();
+  return nearest_plane(n, dot(n, exact_vector(position)));
 }
 
 }  // namespace detail
 
 /// Returns true if an equation, which may have been rounded, certainly is not that of the plane through a
-/// point along some vectors. Its numbers have errors of u = 2^-53 of themselves and so have the vectors,
-/// which may be rounded differences; the scalar product has 3u of the magnitudes of its terms and the
-/// difference u, together less than 2^-50 of them. 2^-900 covers underflow.
+/// point along some vectors. Its numbers have errors of u = 2^-53 of themselves, or of u · 2^-1022 if they
+/// are smaller than 2^-1022, and the vectors, which may be rounded differences, of u of themselves; the
+/// scalar product has 3u of the magnitudes of its terms and the difference u, together less than 2^-50 of
+/// them. 2^-900 covers the underflow of products.
 [[nodiscard]] inline bool surely_differs(const PlaneEquation& equation, const Point& position,
                                          const auto&... along) {
-  const Vec3 normal{equation[0], equation[1], equation[2]};
+  const Vec3 normal{equation[0], equation[1], equation[2]}, sizes = abs(normal) + Vec3(0x1p-1022);
   const auto is_off = [&](const Vec3& x, double expected = 0) {
     return std::abs(dot(normal, x) - expected) >
-           0x1p-50 * (dot(abs(normal), abs(x)) + std::abs(expected)) + 0x1p-900;
+           0x1p-50 * (dot(sizes, abs(x)) + std::abs(expected)) + 0x1p-900;
   };
   return is_off(position, equation[3]) || (is_off(along) || ...);
 }
 
 /// Returns the equation of the plane through a point along u and v, which must not be parallel.
 [[nodiscard]] inline PlaneEquation plane_through(const Point& position, const Vec3& u, const Vec3& v) {
-  const Vec3 a = of_moderate_size(u), b = of_moderate_size(v);
-  return detail::rounded_plane_at(position, cross_product(a, b), 0x1p-100,
-                                  [&] { return cross(exact_vector(a), exact_vector(b)); });
+  return detail::rounded_plane_at(position, detail::refined_normal_along(u, v), 0x1p-100,
+                                  [&] { return cross(exact_vector(u), exact_vector(v)); });
 }
 
 /// Returns the equation of the plane through a point perpendicular to a normal, which must not be 0.
 [[nodiscard]] inline PlaneEquation plane_at(const Point& position, const Vec3& normal) {
-  const Vec3 n = of_moderate_size(normal);
-  return detail::rounded_plane_at(position, RefinedVector{n.x, n.y, n.z}, 0, [&] { return exact_vector(n); });
+  std::optional<RefinedVector> refined;
+  if (are_commensurate({normal})) {
+    const Vec3 n = of_moderate_size(normal);
+    refined = RefinedVector{n.x, n.y, n.z};
+  }
+  return detail::rounded_plane_at(position, refined, 0, [&] { return exact_vector(normal); });
 }
 
 /// Returns (b − a) × (c − a) without rounding.
@@ -205,16 +227,15 @@ namespace detail {
 /// if it is known so well.
 [[nodiscard]] inline std::optional<RefinedVector> refined_normal(const Point& a, const Point& b,
                                                                  const Point& c) {
+  if (!are_commensurate({a, b, c})) return std::nullopt;
   const int exponent = exponent_of({a, b, c});
   const Point from = scaled(a, -exponent);
   return refined_cross_product(refined_difference(scaled(b, -exponent), from),
                                refined_difference(scaled(c, -exponent), from));
 }
 
-/// Returns the unit normal along (b − a) × (c − a) from exact numbers; NaN if the points are on one line.
-[[nodiscard, gnu::cold, gnu::noinline]] inline Vec3 exact_unit_normal(const Point& a, const Point& b,
-                                                                      const Point& c) {
-  const ExactVector n = exact_normal(a, b, c);
+/// Returns the unit vector along a vector without rounding; NaN if it is 0.
+[[nodiscard, gnu::cold, gnu::noinline]] inline Vec3 exact_unit_along(const ExactVector& n) {
   int largest = std::numeric_limits<int>::min();
   for (const ExactNumber& x : n)
     if (x.sign() != 0) largest = std::max(largest, x.approximation().exponent);
@@ -225,17 +246,29 @@ namespace detail {
   return normalize(Vec3{nearest(n[0]), nearest(n[1]), nearest(n[2])});
 }
 
+/// Returns the unit vector along a refined vector, if there is one and it is not 0, otherwise along exact().
+[[nodiscard]] inline Vec3 unit_along(const std::optional<RefinedVector>& n, const auto& exact) {
+  if (n) {
+    const Vec3 unit = normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
+    if (is_finite(unit)) return unit;
+  }
+  return exact_unit_along(exact());
+}
+
 }  // namespace detail
+
+/// Returns the unit normal along u × v, whatever the lengths of both; NaN if they are parallel. The product
+/// rarely underflows; if so, only the final numbers are rounded.
+[[nodiscard]] inline Vec3 unit_normal(const Vec3& u, const Vec3& v) {
+  return detail::unit_along(detail::refined_normal_along(u, v),
+                            [&] { return cross(exact_vector(u), exact_vector(v)); });
+}
 
 /// Returns the unit normal along (b − a) × (c − a), however far the points are from the origin; NaN if they
 /// are on one line. More than 20 binary digits rarely cancel, and the product rarely underflows; if so, only
 /// the final numbers are rounded.
 [[nodiscard]] inline Vec3 unit_normal_through(const Point& a, const Point& b, const Point& c) {
-  if (const auto n = detail::refined_normal(a, b, c)) {
-    const Vec3 normal = normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
-    if (is_finite(normal)) return normal;
-  }
-  return detail::exact_unit_normal(a, b, c);
+  return detail::unit_along(detail::refined_normal(a, b, c), [&] { return exact_normal(a, b, c); });
 }
 
 /// Returns the equation of the plane through three points that are not on one line. With the normal accurate
