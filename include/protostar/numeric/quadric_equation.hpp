@@ -80,6 +80,12 @@ struct RoundedQuadricEquation {
     return std::abs(A) > 0x1p-18 * A_size && A_size > 0x1p-400 && d_size < 0x1p200;
   }
 
+  /// Returns true if the roots surely are below 2^1000, provided that is_A_certain(): with the sizes Â, b̂ and
+  /// ĉ they are at most (2 b̂ + √(Â ĉ)) / |A| < 2^18 (2 b̂/Â + √(ĉ/Â)).
+  [[nodiscard]] bool has_finite_roots() const {
+    return b_size < 0x1p900 * A_size && c_size < 0x1p900 * A_size;
+  }
+
   /// Returns the equation in double with A > 0, and with its bounds.
   ///
   /// The error of D is at most 16u b_size² + 17u A_size c_size; E is 32u of both. The error of q is 2^-31.9

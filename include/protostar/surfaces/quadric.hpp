@@ -65,12 +65,12 @@ struct Quadric {
     return may_be_outside && !is_in_quadric_bounds(ray, form) ? Roots{} : roots;
   }
 
-  /// Returns true if the far end of the ray, t → ∞, is inside.
+  /// Returns true if the far end of the ray is inside: all that is behind the crossings whose t a double
+  /// holds. Nearly along the axis of a cylinder or of a paraboloid, a crossing may be beyond that.
   [[nodiscard]] bool ends_inside(const Ray& ray) const {
     return with_line(ray, [&](const auto& line) {
-      if (const RoundedQuadricEquation e(line, form); e.is_A_certain()) return e.A < 0;
-      return is_proper(ray) && has_finite_numbers() &&
-             ends_negative(equation(exact_line(ray)), is_left_by(ray));
+      const RoundedQuadricEquation e(line, form);
+      return e.is_A_certain() && e.has_finite_roots() ? e.A < 0 : ends_inside_in_doubt(ray);
     });
   }
 
@@ -88,6 +88,17 @@ struct Quadric {
                  "Quadric: the numbers of the form must be", coordinate_rule);
     if (form.squares == Vec3{0} && form.products == Vec3{0} && form.linear == Vec3{0})
       throw std::invalid_argument("Quadric: the form must not be constant");
+  }
+
+ private:
+  /// Returns ends_inside without rounding: the side for t → ∞, turned over by each crossing beyond the range
+  /// of double.
+  [[nodiscard, gnu::cold, gnu::noinline]] bool ends_inside_in_doubt(const Ray& ray) const {
+    if (!is_proper(ray) || !has_finite_numbers()) return false;
+    bool is_inside = ends_negative(equation(exact_line(ray)), is_left_by(ray));
+    for (const double t : roots(ray))
+      if (t == infinity) is_inside = !is_inside;
+    return is_inside;
   }
 };
 
