@@ -151,6 +151,25 @@ TEST_CASE("a ray that grazes a torus is decided down to the digits of double-dou
   CHECK(fallbacks.undecided > 0);
 }
 
+TEST_CASE(
+    "a ray that starts nearer to a torus than double-double tells is counted, and not one that starts on "
+    "it") {
+  const Torus torus{.radius = 2, .tube = 1};
+  const auto undecided = [](const AnySurface& surface, const Ray& ray) {
+    fallbacks = {};
+    CHECK(crossings_of(surface, ray, everywhere).size() >= 1);
+    return fallbacks.undecided != 0;
+  };
+  // The torus touches y = −1 at (0, −1, 2). At the distance h from there, it is h²/2 away.
+  for (const double h : {0.0, 0x1p-51}) {
+    CAPTURE(h);
+    const Ray up{.origin = {0, -1, 2 + h}, .direction = {0.5, 1, 0.25}};
+    CHECK(undecided(torus, up) == (h != 0));
+    const Affine wide = Affine{}.scaled_by({3, 3, 3});
+    CHECK(undecided(Instance{torus, wide}, {3.0 * up.origin, up.direction}) == (h != 0));
+  }
+}
+
 TEST_CASE("a ray through the hole of a torus, or along its axis, misses it") {
   const Torus torus{.center = {1, 2, 3}, .axis = {0, 0, -5}};
   CHECK(!torus.intersect({.origin = {1, 2, -4}, .direction = {0, 0, 1}}));

@@ -146,7 +146,7 @@ struct Torus {
 
   /// Returns all roots of a ray's line in double, as the search in double tells them if it is certain, and
   /// each is enclosed narrowly; otherwise as that in double-double does. An enclosure there that contains 0
-  /// stands for the root 0, which a ray that leaves the torus does not have.
+  /// stands for the root 0, which a ray that leaves the torus does not have; it is undecided if 0 is no root.
   [[nodiscard]] Roots4 roots_of_line(const Ray& ray) const {
     if (!is_proper(ray) || (ray.transform == nullptr && surely_misses(ray, bounds()))) return {};
     Roots4 roots;
@@ -170,12 +170,27 @@ struct Torus {
       if (!t.contains(DoubleDouble(0.0))) {
         is_decided = is_decided && detail::is_narrow(t.lower.hi, t.upper.hi);
         add(static_cast<double>(DoubleDouble(0.5) * (t.lower + t.upper)));
-      } else if (!is_left_by(ray)) {
-        add(0);
+      } else {
+        is_decided = is_decided && has_root_0(ray);
+        if (!is_left_by(ray)) add(0);
       }
     }
     if (!is_decided) ++fallbacks.undecided;
     return roots;
+  }
+
+  /// Tests without rounding whether 0 is a root of a ray's line: whether it starts on the torus or, if the
+  /// ray leaves the torus, touches it there. With the numbers of the line times its weight w, f(p) is N (p·p
+  /// + w² k)² − 4R² w² (N p·p − H²), and a quarter of the slope N B (p·p + w² k) − 2R² w² (N B − G H).
+  [[nodiscard, gnu::cold, gnu::noinline]] bool has_root_0(const Ray& ray) const {
+    const ExactLine line = exact_line(ray);
+    const ExactVector p = line.origin - line.weight * exact_vector(center), &d = line.direction,
+                      a = exact_vector(axis);
+    const ExactNumber N = dot(a, a), B = dot(p, d), H = dot(p, a), R2 = radius * ExactNumber(radius),
+                      ww = line.weight * line.weight, pp = dot(p, p),
+                      s = pp + ww * (R2 - tube * ExactNumber(tube)), RR2 = 2 * (R2 * ww);
+    return is_left_by(ray) ? N * B * s == RR2 * (N * B - dot(d, a) * H)
+                           : N * s * s == 2 * RR2 * (N * pp - H * H);
   }
 
   /// Tests whether a crossing of a ray that leaves the torus is in the bounds. It is not only if the ray
