@@ -104,6 +104,15 @@ TEST_CASE("a plane has the same departure as every multiple of its equation, and
   CHECK(parallel.intersect(left) == 0.5);
   const Plane mirrored{.normal = {1, -2, 3}, .distance = -5};
   CHECK(mirrored.departure() != plane.departure());
+
+  // Numbers that are more than 2^1022 apart.
+  const auto departure = [](double x, double y, double distance) {
+    return Plane{.normal = {x, y, 0}, .distance = distance}.departure();
+  };
+  CHECK(departure(0x1p1000, 0x3p-80, 0) == departure(-0x1p900, -0x3p-180, 0));
+  CHECK(departure(0x1p1000, 0x3p-80, 0) != departure(0x1p1000, 0x5p-80, 0));
+  CHECK(departure(0x1p1000, 1, 0x3p-80) != departure(0x1p1000, 1, 0x5p-80));
+  CHECK(departure(0x1p1000, 1, 0x3p-80) != departure(0x1p1000, 1, 0));
 }
 
 TEST_CASE("a ray without direction, or with a number that is not finite, crosses no plane") {

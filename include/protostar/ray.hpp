@@ -1,6 +1,7 @@
 // Rays, and their departures: the geometry that they leave.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -67,19 +68,31 @@ struct Departure {
     return rounded() == other.rounded();
   }
 
-  /// Returns true if all a_i b_k = a_k b_i, with k the index of the largest component of the normal a. The
-  /// products are exact; scaling by powers of two keeps them in the range of double.
+  /// Returns true if all a_i b_k = a_k b_i, with k the index of the largest component of the normal a.
   static bool are_proportional(const std::array<double, 4>& a, const std::array<double, 4>& b) {
     const std::size_t k = largest_component(a);
     if (b[k] == 0) return false;
-    const int a_exponent = std::ilogb(a[k]), b_exponent = std::ilogb(b[k]);
-    const double a_k = std::ldexp(a[k], -a_exponent), b_k = std::ldexp(b[k], -b_exponent);
-    for (std::size_t i = 0; i < 4; ++i) {
-      const DoubleDouble left = two_product(std::ldexp(a[i], -a_exponent), b_k);
-      const DoubleDouble right = two_product(a_k, std::ldexp(b[i], -b_exponent));
-      if (left.hi != right.hi || left.lo != right.lo) return false;
-    }
+    for (std::size_t i = 0; i < 4; ++i)
+      if (a[i] == 0 || b[i] == 0 ? a[i] != b[i] : !are_products_equal(a[i], b[k], a[k], b[i])) return false;
     return true;
+  }
+
+  /// Returns true if a b = c d, for numbers that are not 0. Far from the ends of the range of double, the
+  /// products are exact as two doubles. If they are not, each number is first scaled to [1/2, 1), which
+  /// brings products to [1/4, 1); if the powers of two that are left out differ by 2^3 or more, the products
+  /// are not equal.
+  static bool are_products_equal(double a, double b, double c, double d) {
+    const auto is_exact = [](double product) {
+      return 0x1p-900 < std::abs(product) && std::abs(product) < 0x1p900;
+    };
+    const auto are_equal = [](DoubleDouble x, DoubleDouble y) { return x.hi == y.hi && x.lo == y.lo; };
+    const DoubleDouble left = two_product(a, b), right = two_product(c, d);
+    if (is_exact(left.hi) && is_exact(right.hi)) return are_equal(left, right);
+    int of_a = 0, of_b = 0, of_c = 0, of_d = 0;
+    const DoubleDouble first = two_product(std::frexp(a, &of_a), std::frexp(b, &of_b)),
+                       second = two_product(std::frexp(c, &of_c), std::frexp(d, &of_d));
+    const double shift = std::ldexp(1, std::clamp(of_a + of_b - of_c - of_d, -3, 3));
+    return are_equal({first.hi * shift, first.lo * shift}, second);
   }
 
   /// Returns the index of the normal's component of largest magnitude, the first of equals.
