@@ -115,6 +115,15 @@ TEST_CASE("a plane has the same departure as every multiple of its equation, and
   CHECK(departure(0x1p1000, 1, 0x3p-80) != departure(0x1p1000, 1, 0));
 }
 
+TEST_CASE("the distance of a point from a plane does not depend on the length of the normal") {
+  for (const double size : {0x1p-1070, 1e-300, 1e-160, 1.0, 1e160, 1e300}) {
+    const Plane plane{.normal = size * Vec3{0, -3, 4}, .distance = 10 * size};
+    CAPTURE(size);
+    CHECK(std::abs(plane.distance_bound({7, 0, 5}) - 2) < 1e-15);
+    CHECK(std::abs(plane.distance_bound({7, 2, -1}) + 4) < 1e-15);
+  }
+}
+
 TEST_CASE("a ray without direction, or with a number that is not finite, crosses no plane") {
   const Plane plane{.normal = {0, 0, 1}, .distance = 3};
   CHECK_FALSE(plane.intersect({{0, 0, 0}, {0, 0, 0}}, {-infinity, infinity}));

@@ -7,6 +7,7 @@
 
 #include "../magnitude.hpp"
 #include "../numeric/planar_equation.hpp"
+#include "../numeric/scale.hpp"
 #include "../surface.hpp"
 #include "coordinates.hpp"
 
@@ -44,7 +45,9 @@ struct Plane {
 
   /// Returns the distance of a point from the plane, less than 0 on the side away from the normal; rounded.
   [[nodiscard]] double distance_bound(const Point& point) const {
-    return (dot(normal, point) - distance) / length(normal);
+    const int exponent = -immoderate_exponent(normal);  // so that the squares of the normal are in range
+    const Vec3 n = scaled(normal, exponent);
+    return (dot(n, point) - scaled(distance, exponent)) / length(n);
   }
 
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
