@@ -170,6 +170,27 @@ TEST_CASE(
   }
 }
 
+TEST_CASE("a torus is hit by rays with a direction of any length") {
+  const Torus torus{.radius = 1, .tube = 0.25};
+  const AnySurface wide = Instance{torus, Affine{}.scaled_by({2, 2, 2})};
+  for (const int exponent : {-1020, -500, -101, 0, 500, 900, 1000, 1020}) {
+    CAPTURE(exponent);
+    const double length = std::ldexp(1, exponent);
+    fallbacks = {};
+    const Ray ray{.origin = {-0.125, 0, 0}, .direction = {length, 0, 0}};
+    for (const auto& all : {crossings_of(torus, ray, everywhere),
+                            crossings_of(wide, {2.0 * ray.origin, 2.0 * ray.direction}, everywhere)}) {
+      REQUIRE(all.size() == 4);
+      const double expected[] = {-1.125, -0.625, 0.875, 1.375};
+      for (std::size_t i = 0; i < 4; ++i) CHECK(std::abs(all[i] * length - expected[i]) < 1e-9);
+    }
+    const Crossing second{-0.625 / length, 1};
+    CHECK(order(torus.exact_root(ray, second), exact_root_of(-0.625 / length)) == 0);
+    CHECK(order(torus.exact_root(ray, second), exact_root_of(-0.624999 / length)) < 0);
+    CHECK(order(torus.exact_root(ray, second), exact_root_of(-0.625001 / length)) > 0);
+  }
+}
+
 TEST_CASE("a ray through the hole of a torus, or along its axis, misses it") {
   const Torus torus{.center = {1, 2, 3}, .axis = {0, 0, -5}};
   CHECK(!torus.intersect({.origin = {1, 2, -4}, .direction = {0, 0, 1}}));

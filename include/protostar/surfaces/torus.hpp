@@ -80,12 +80,14 @@ struct Torus {
   /// Returns a crossing, enclosed in double-double.
   [[nodiscard]] ExactRoot exact_root(const Ray& ray, const Crossing& crossing) const {
     ExactRoot root{.A = 1.0, .b = crossing.t, .D = {}, .error = enclosure_width * std::abs(crossing.t)};
-    const auto roots = enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray, rounded_line(ray)));
+    const detail::ModerateLine line(ray);
+    const auto roots = enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray, line, line.unit));
     for (int i = 0; i < roots.count; ++i) {
       const Enclosure<DoubleDouble>& t = roots.root[i];
       const DoubleDouble middle = DoubleDouble(0.5) * (t.lower + t.upper);
-      if (!(std::abs(middle.hi - crossing.t) <= enclosure_width * std::abs(crossing.t))) continue;
+      if (!(std::abs(line.unit * middle.hi - crossing.t) <= enclosure_width * std::abs(crossing.t))) continue;
       root = exact_root_between(t.lower, t.upper);
+      root.b = line.unit * root.b, root.error = line.unit * root.error;
       if (i >= crossing.root) break;  // of equal ones that with the same index
     }
     return root;
@@ -144,16 +146,19 @@ struct Torus {
     return {unit_along(across), length(across) - radius / size, up};
   }
 
-  /// Returns all roots of a ray's line in double, as the search in double tells them if it is certain, and
-  /// each is enclosed narrowly; otherwise as that in double-double does. An enclosure there that contains 0
-  /// stands for the root 0, which a ray that leaves the torus does not have; it is undecided if 0 is no root.
+  /// Returns all roots of a ray's line in double, those of a line of moderate direction times its unit: as
+  /// the search in double tells them if it is certain, and each is enclosed narrowly; otherwise as that in
+  /// double-double does. An enclosure there that contains 0 stands for the root 0, which a ray that leaves
+  /// the torus does not have; it is undecided if 0 is no root.
   [[nodiscard]] Roots4 roots_of_line(const Ray& ray) const {
     if (!is_proper(ray) || (ray.transform == nullptr && surely_misses(ray, bounds()))) return {};
     Roots4 roots;
-    const auto add = [&](double t) {
+    const detail::ModerateLine line(ray);
+    const auto add = [&](double t_of_line) {
+      const double t = line.unit * t_of_line;
       if (!is_left_by(ray) || is_in_bounds(ray, t)) roots.t[roots.count++] = t;
     };
-    const auto first = enclosed_roots<double>(ray, detail::enclosed_line(rounded_line(ray)));
+    const auto first = enclosed_roots<double>(ray, detail::enclosed_line(line));
     bool is_known = first.are_certain;
     for (int i = 0; is_known && i < first.count; ++i)
       is_known = detail::is_narrow(first.root[i].lower, first.root[i].upper);
@@ -162,8 +167,7 @@ struct Torus {
       return roots;
     }
     ++fallbacks.double_double;
-    const auto second =
-        enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray, rounded_line(ray)));
+    const auto second = enclosed_roots<DoubleDouble>(ray, detail::enclosed_exact_line(ray, line, line.unit));
     bool is_decided = second.are_certain;
     for (int i = 0; i < second.count; ++i) {
       const Enclosure<DoubleDouble>& t = second.root[i];
@@ -209,7 +213,7 @@ struct Torus {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   }
 
-  /// Returns the roots t of a line, enclosed.
+  /// Returns the roots t of a line of moderate direction, enclosed.
   ///
   /// The polynomial is one of x with t = t0 + S x, which is seen from the point at t0, and in lengths of a
   /// power of two L that is a hundredth larger than R + r or more, so that it loses few digits and its
