@@ -119,8 +119,9 @@ concept CompositeSurface = Surface<S> &&
 };
 
 /// Boundary of a closed solid: each crossing of a line leads into it or out of it, and a tangent line has two
-/// crossings where it touches. ends_inside tells if the far end of a ray, t → ∞, is inside, which is never so
-/// for a bounded solid. A solid made of primitives has primitive_count.
+/// crossings where it touches. ends_inside tells if a ray is inside behind the last crossing of its line, or
+/// on the whole line if there is none, which is never so for a bounded solid. A solid made of primitives has
+/// primitive_count.
 template <class S>
 concept Solid = Surface<S> && detail::has_ends_inside<S> &&
     (!requires(const S& surface) { surface.departure(0); } || detail::has_primitive_count<S>);

@@ -3,7 +3,8 @@
 //
 // u = 2^-53 is the unit roundoff of double. Sources: Dekker 1971, Knuth (TAOCP 2, 4.2.2), and for the bounds
 // Joldes, Muller, Popescu, "Tight and rigorous error bounds for basic building blocks of double-word
-// arithmetic", 2017.
+// arithmetic", 2017, and for that of the product Muller and Rideau, who improved it in 2022
+// (docs/derivations.md, Double-double).
 #pragma once
 
 #include <cmath>

@@ -13,8 +13,9 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Point a + u (b − a) + v (c − a) without rounding, where u and v are doubles with u > 0, v > 0 and u + v <
-/// 1: it lies in the plane of a, b and c and inside their triangle, regardless of rounding.
+/// Point in the plane of a triangle and strictly inside of it, without rounding: either a point in doubles
+/// that surely is there, or a + u (b − a) + v (c − a) with doubles u > 0 and v > 0, u + v < 1, which is there
+/// whatever u and v are.
 class InnerPoint {
  public:
   /// Finds the inner point next to a given point, as far as double tells: the given point itself if it

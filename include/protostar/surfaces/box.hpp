@@ -136,11 +136,11 @@ struct Box {
   /// Returns the coordinate on the axis of a face that all its points share.
   [[nodiscard]] double place(int face) const { return is_upper(face) ? max[face / 2] : min[face / 2]; }
 
-  /// Returns a distance from the plane of a face up to which the digits of a point may be those of a point in
-  /// it. They are off by 2^-52 of the coordinates, here or outside of an instance, and by more if the ray
-  /// that hit it came from much farther away. 2^-20 of the box's size leaves room for coordinates of 2^32
-  /// times that size; beyond that, the digits say where the point is. Any distance keeps all crossings in the
-  /// bounds, which reach as much farther.
+  /// Returns the distance from the plane of a face up to which a ray that departs from this plane is taken to
+  /// start in it, whatever its digits say. A hit point is off by 2^-52 of its coordinates, here or outside of
+  /// an instance, and by more if the ray that hit it came from much farther away. 2^-20 of the box's size is
+  /// enough for coordinates up to 2^32 times that size; a point farther off starts where its digits say. The
+  /// bounds are wider by the same distance, so that they contain what a ray from such a point crosses.
   [[nodiscard]] double near() const {
     const Vec3 size = max - min;
     return 0x1p-20 * std::max({size.x, size.y, size.z});
