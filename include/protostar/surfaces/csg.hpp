@@ -27,8 +27,9 @@ namespace protostar::inline PROTOSTAR_ABI {
 ///
 /// The order of the crossings, exact for solids that can refine their roots, decides which parts of a line
 /// are inside. Crossings at equal t are taken together: at points where solids touch or their faces coincide,
-/// nothing is crossed unless the whole begins or ends there. So nothing is left that has no thickness, such
-/// as the face that two boxes share, which would be all of their intersection.
+/// nothing is crossed unless the whole begins or ends there. So what has no thickness is not crossed, such
+/// as the face that two boxes share, which is all of their intersection. Only a ray that lies in this face
+/// crosses it: it is in both boxes, as their outline belongs to them.
 class Csg {
  public:
   enum class Operation : std::uint8_t { none, either, all, first_alone };
