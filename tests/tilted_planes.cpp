@@ -98,7 +98,8 @@ TEST_CASE(
   for (int i = 0; i < 20000; ++i) {
     const auto number = [&] {
       const int exponents[] = {0, 0, 60, -60, 390, -390, -900, -1040, -1074};
-      return std::ldexp(static_cast<double>(random.whole(15)), exponents[random.whole(4) + 4]);
+      return std::ldexp(i % 3 == 0 ? random.real(-8, 8) : static_cast<double>(random.whole(15)),
+                        exponents[random.whole(4) + 4]);
     };
     const auto vector = [&] { return Vec3{number(), number(), number()}; };
     const Point p = vector();

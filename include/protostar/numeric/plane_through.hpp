@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -27,15 +26,18 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Vector in double-double.
 using RefinedVector = std::array<DoubleDouble, 3>;
 
-/// Returns true if each number of some vectors is 0 or at least 2^-400 of their largest. Times a power of two
-/// with which the largest is at least 2^-101, no digit of them or of their differences is then below 2^-554,
-/// and none of a product of two below 2^-1074: scaling and products are exact.
-[[nodiscard]] inline bool are_commensurate(std::initializer_list<Vec3> vectors) {
-  const double least = scaled(1.0, exponent_of(vectors) - 400);
-  return std::all_of(vectors.begin(), vectors.end(), [&](const Vec3& v) {
-    const auto is_large = [&](double x) { return x == 0 || std::abs(x) >= least; };
-    return is_large(v.x) && is_large(v.y) && is_large(v.z);
-  });
+/// Returns true if each number of some vectors is 0 or at least 2^-300 of their largest. Times a power of two
+/// with which the largest is at least 2^-102, no digit of them or of their differences is then below 2^-454,
+/// and none of a product of two below 2^-908: scaling and products are exact.
+[[nodiscard]] inline bool are_commensurate(const auto&... vectors) {
+  double largest = 0;
+  const auto extend = [&](const Vec3& v) {
+    largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  };
+  (extend(vectors), ...);
+  const double least = 0x1p-300 * largest;
+  const auto is_small = [&](double x) { return (x != 0) & (std::abs(x) < least); };
+  return !((is_small(vectors.x) | is_small(vectors.y) | is_small(vectors.z)) | ...);
 }
 
 /// Returns b − a exactly.
@@ -106,8 +108,8 @@ namespace detail {
 /// + 7 + 3 + 3 of the magnitudes of its terms, and its quotient 3 + 16 more. All are below 2^-100 = 64u². If
 /// the normal's error is large against that, a quotient has twice as much, and the distance as much.
 ///
-/// Precondition: the position's components are 0 or from 2^-401 to 1, so that no term is below 2^-901, or
-/// product of two digits below 2^-1007, and nothing underflows.
+/// Precondition: the position's components are 0 or from 2^-301 to 1. No term is then below 2^-801, and
+/// nothing underflows.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
                                                                    const RefinedVector& n, double error) {
   const auto size = [&](std::size_t i) { return std::abs(n[i].hi); };
@@ -162,7 +164,7 @@ namespace detail {
 /// Returns u × v, times a power of two, each component with an error of at most 2^-104 of itself, if it is
 /// known so well.
 [[nodiscard]] inline std::optional<RefinedVector> refined_normal_along(const Vec3& u, const Vec3& v) {
-  if (!are_commensurate({u}) || !are_commensurate({v})) return std::nullopt;
+  if (!are_commensurate(u) || !are_commensurate(v)) return std::nullopt;
   return cross_product(of_moderate_size(u), of_moderate_size(v));
 }
 
@@ -171,7 +173,7 @@ namespace detail {
 [[nodiscard, gnu::noinline]] PlaneEquation rounded_plane_at(const Point& position,
                                                             const std::optional<RefinedVector>& normal,
                                                             double error, const auto& exact_normal) {
-  if (normal && are_commensurate({position})) {
+  if (normal && are_commensurate(position)) {
     const int lengths = exponent_of({position});
     if (auto equation = refined_plane_at(scaled(position, -lengths), *normal, error)) {
       double& distance = (*equation)[3];
@@ -209,7 +211,7 @@ namespace detail {
 /// Returns the equation of the plane through a point perpendicular to a normal, which must not be 0.
 [[nodiscard]] inline PlaneEquation plane_at(const Point& position, const Vec3& normal) {
   std::optional<RefinedVector> refined;
-  if (are_commensurate({normal})) {
+  if (are_commensurate(normal)) {
     const Vec3 n = of_moderate_size(normal);
     refined = RefinedVector{n.x, n.y, n.z};
   }
@@ -227,7 +229,7 @@ namespace detail {
 /// if it is known so well.
 [[nodiscard]] inline std::optional<RefinedVector> refined_normal(const Point& a, const Point& b,
                                                                  const Point& c) {
-  if (!are_commensurate({a, b, c})) return std::nullopt;
+  if (!are_commensurate(a, b, c)) return std::nullopt;
   const int exponent = exponent_of({a, b, c});
   const Point from = scaled(a, -exponent);
   return refined_cross_product(refined_difference(scaled(b, -exponent), from),
