@@ -230,7 +230,7 @@ TEST_CASE("a camera that looks at a point shows it in the middle of the image, w
       {{5, 0, 0}, {0, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 1, 0}},
       {{0, 3, 0}, {0, 0, 0}, {0, 7, 1}, {1, 0, 0}, {0, 0, 1}},
       {{1, 1, 1}, {1, 1, 2}, {1, 0, 9}, {0, -1, 0}, {1, 0, 0}},
-      {{0, 0, 0}, {1, 0, 1}, {0, 1, 1e-3}, Vec3{1, 0, -1}, {0, 1, 0}},
+      {{0, 0, 0}, {1, 0, 1}, {0, 1, 0.125}, {1, 0.125, -1}, {-0.125, 2, 0.125}},
   };
   for (const auto& row : rows) {
     CAPTURE(row.position.x, row.position.y, row.position.z);
@@ -238,8 +238,8 @@ TEST_CASE("a camera that looks at a point shows it in the middle of the image, w
     const double half = 1 / std::sqrt(3);
     CHECK(camera.position == row.position);
     CHECK(error(camera(0, 0), row.target - row.position) < 1e-15);
-    CHECK(length(camera.right - half * row.right / length(row.right)) < 1e-3);
-    CHECK(length(camera.up - half * row.up) < 1e-3);
+    CHECK(length(camera.right - half * normalize(row.right)) < 1e-15);
+    CHECK(length(camera.up - half * normalize(row.up)) < 1e-15);
     CHECK(std::abs(dot(camera.up, camera.forward)) < 1e-15);
     CHECK(std::abs(dot(camera.right, camera.forward)) < 1e-15);
   }
