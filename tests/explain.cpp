@@ -228,8 +228,10 @@ TEST_CASE("the explanation of a pixel tells what a normal map makes of the norma
 
 TEST_CASE("the option --explain writes a file that docs/check_explanation finds right, wrong or unreadable") {
   const TemporaryFolder folder;
-  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
-    return;  // there is no Python
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   CHECK(run_stage("09_shadow", "--pixel 330,200 --explain a.json --quiet", folder).out == "");
   const std::string text = bytes_of(folder / "a.json");
   const auto check = [&](const std::string& from, const std::string& to) {
@@ -263,8 +265,10 @@ TEST_CASE("the option --explain writes a file that docs/check_explanation finds 
 TEST_CASE(
     "an explanation has the sampler's numbers that an integrator takes, and the checker computes them") {
   const TemporaryFolder folder;
-  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
-    return;  // there is no Python
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   for (const std::string sampler : {"independent", "sobol", "halton", "stratified"}) {
     CAPTURE(sampler);
     const std::string options =
@@ -296,8 +300,10 @@ TEST_CASE(
     "pixels of an environment, and the checker computes them",
     "[long]") {
   const TemporaryFolder folder;
-  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
-    return;  // there is no Python
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   struct Row {
     std::string program, arguments;
     /// Texts before numbers, each of which must be refused with another digit; "..." stands for any text.
@@ -384,8 +390,10 @@ TEST_CASE(
 
 TEST_CASE("the checker refuses a glossy color without what blurs it, as a black one has none") {
   const TemporaryFolder folder;
-  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
-    return;  // there is no Python
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   REQUIRE(run_stage("19_soft_shadows", "--size 160x120 --pixel 42,53 --samples 1 --explain a.json --quiet",
                     folder)
               .status == 0);
@@ -401,8 +409,10 @@ TEST_CASE("the checker refuses a glossy color without what blurs it, as a black 
 #if __has_include(<nlohmann/json.hpp>)
 TEST_CASE("the checker proves marches of fields with edges, from near and from far away") {
   const TemporaryFolder folder;
-  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
-    return;  // there is no Python
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   struct Row {
     std::string field, camera, angle, pixel;
     std::string key, message;  // of a number that is refused with another digit
@@ -460,8 +470,10 @@ TEST_CASE("the checker proves marches of fields with edges, from near and from f
 #if __has_include(<tiny_obj_loader.h>)
 TEST_CASE("an explanation has all triangles of a mesh, and the checker finds those that a ray crosses") {
   const TemporaryFolder folder;
-  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127)
-    return;  // there is no Python
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   REQUIRE(run_stage("17_mesh", "--pixel 300,260 --explain a.json --quiet", folder).status == 0);
   const std::string text = bytes_of(folder / "a.json");
   const auto status_of = [&](const std::string& file) {

@@ -10,6 +10,7 @@ from .exact import add, cross, dot, length, minus, root, short, times, unit
 from .flat_surfaces import Disk, Parallelogram, Triangle
 from .functions import arc_tangent, PI, sine_and_cosine
 from .mesh import Mesh
+from .solids import Moving
 from .surfaces import Sphere
 from .values import U, Wrong
 from .warps import disk_point, Frame
@@ -179,8 +180,10 @@ class AreaLight:
             area = length(cross(self.surface.u, self.surface.v)) / 4
         elif isinstance(self.surface, Disk):
             area = PI / 2 * self.surface.radius**2
-        else:
+        elif isinstance(self.surface, Moving):
             raise NoDirections("directions to an area light that moves")
+        else:
+            raise Wrong(light["surface"].at("must name a surface to which directions can be drawn"))
         self.power = area * sum(self.emission)
 
     def view(self, point, part):

@@ -40,6 +40,8 @@ class Chance:
 
     def check_by_chance(self, sample):
         rays = sample["rays"]
+        rays[0]["leaves"].must_be(None)
+        rays[0]["range_end"].must_be("infinity")
         for key in ("origin", "direction"):
             rays[0][key].must_equal(sample[key].vector())
         if self.integrator == "ambient-occlusion":
@@ -52,8 +54,8 @@ class Chance:
         if len(rays) != 1:
             raise Wrong(rays.at(f"has {len(rays)} rays, and must have one"))
         ray = rays[0]
-        ray["leaves"].must_be(None)
         line, _, taken = self.check_ray(ray)
+        ray["radiance"].must_be(None)
         light = Fraction(1)
         if taken is not None:
             hit = self.check_hit(ray["hit"], line, ray["considered"][taken])

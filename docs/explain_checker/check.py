@@ -150,6 +150,7 @@ class Check(Rays, Hits, Lights, Radiance, Chance, Paths):
         ray = rays[0]
         ray["query"].must_be(query)
         ray["leaves"].must_be(None)
+        ray["range_end"].must_be("infinity")
         for key in ("origin", "direction"):
             ray[key].must_equal(sample[key].vector())
         radiance = self.radiance_of(ray, sample, 1)

@@ -7,6 +7,8 @@ from .functions import PI, power
 from .light import BY_CHANCE, dusk, mirror, shading_normal, spot_share
 from .values import U, Wrong
 
+KINDS = ("PointLight", "ConstantLight", "DirectionalLight", "SpotLight")
+
 
 class Lights:
     """Checks of lights."""
@@ -46,7 +48,9 @@ class Lights:
     def check_light(self, light, own, hit, line):
         """Checks one light; returns whether it is in front of the surface, and whether it adds anything."""
         point, normal = hit["point"].vector(), shading_normal(hit)
-        is_far = "direction" in light
+        kind, is_far = light["type"].word(), "direction" in light
+        if kind not in KINDS or is_far != (kind == "DirectionalLight") or ("axis" in light) != (kind == "SpotLight"):
+            raise Wrong(light["type"].at("must be that of a light with these members"))
         place = light["direction" if is_far else "position"].vector()
         own["towards"].must_be_near_vector(place if is_far else minus(place, point),
                                            [U * abs(x) for x in (place if is_far else minus(place, point))])
@@ -60,7 +64,7 @@ class Lights:
             height = Fraction(0)
         own["cosine"].must_be_near(height / distance, 8 * U * (1 + terms / distance))
         # The factor of the light's color passes fewer than 16 roundings of U, then two of float.
-        falloff = 1 / (4 * PI * distance**2) if light["type"].word() in ("PointLight", "SpotLight") else 1
+        falloff = 1 / (4 * PI * distance**2) if kind in ("PointLight", "SpotLight") else 1
         share = 1
         if "axis" in light:
             share = spot_share(-dot(l, light["axis"].vector()) / distance, light)

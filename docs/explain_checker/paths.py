@@ -43,14 +43,13 @@ class Paths:
     def check_drawn_light(self, sample):
         tally = Tally()
         root_ray = sample["rays"][0]
-        root_ray["leaves"].must_be(None)
         if len(sample["rays"]) != 1:
             raise Wrong(sample["rays"].at(f"has {len(sample['rays'])} rays, and must have one"))
         try:
             if not hasattr(self, "area_lights"):
                 self.area_lights = AreaLights(self.file["area_lights"], self.surfaces)
                 self.most_rays = self.file["most_rays"].index(2**31)
-                if self.file["environment_has_places"].data:
+                if self.file["environment_has_places"].truth():
                     raise NoDirections("directions to an environment")
             (self.check_path if self.integrator == "path" else self.check_direct)(root_ray, sample, tally)
         except NoDirections as what:
@@ -173,6 +172,7 @@ class Paths:
 
     def check_direct(self, ray, sample, tally):
         line, _, taken = self.check_ray(ray)
+        ray["radiance"].must_be(None)
         if taken is None:
             return tally.add(floats(self.sky(ray, line.direction, BLACK)))
         at = self.met(ray, line, taken)
@@ -236,6 +236,7 @@ class Paths:
         weight, most_weight, bounces, density, is_exact = [Fraction(1)] * 3, 0.0, 0, None, True
         while True:
             line, _, taken = self.check_ray(ray)
+            ray["radiance"].must_be(None)
             if taken is None:
                 if len(ray["rays"]):
                     raise Wrong(ray["rays"].at("must be empty, since nothing is hit"))

@@ -27,6 +27,7 @@ class Radiance:
             radiance = self.whitted(ray, line, taken, rays)
             ray["radiance"].must_equal(radiance)
             return radiance
+        ray["radiance"].must_be(None)
         if taken is None:
             if name in ("depth", "normal", "sphere"):
                 return BLACK

@@ -51,6 +51,11 @@ class Value:
             raise Unreadable(self.at("must be a word"))
         return self.data
 
+    def truth(self):
+        if not isinstance(self.data, bool):
+            raise Unreadable(self.at("must be true or false"))
+        return self.data
+
     def number(self):
         """Returns the double that is written, exactly."""
         if not isinstance(self.data, Fraction):
@@ -92,7 +97,9 @@ class Value:
         raise Wrong(self.at(f"is {shown(found)}, and must be {shown(right)}"))
 
     def must_be(self, right):
-        """Checks a whole number or a word."""
+        """Checks a whole number, a word, or that there is none."""
+        if right is None and not self.is_null():
+            raise Wrong(self.at("must be null"))
         found = self.data if isinstance(right, str) or self.data is None else self.whole()
         if found != right:
             self.refuse(found, right)
@@ -111,7 +118,6 @@ class Value:
         for x, y in zip(self, right):
             if x.number() != y:
                 x.refuse(x.number(), y)
-
 
     def must_agree(self, other, but=()):
         """Checks that this is as another value of the file, but for members of these names."""
