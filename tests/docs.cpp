@@ -479,7 +479,10 @@ TEST_CASE("docs/web/make_pages takes one folder, and no option for its name") {
     return run({.program = repository / "docs/web/make_pages", .arguments = words, .folder = folder / ""});
   };
   const Outcome help = make_pages({"--help"});
-  if (help.status == 127) return;  // there is no Python
+  if (help.status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   CHECK(help.status == 0);
   CHECK_THAT(help.out, ContainsSubstring("docs/web/make_pages SITE"));
   CHECK(help.err.empty());
@@ -506,7 +509,10 @@ TEST_CASE("scripts of docs take no option for the name of a file") {
     return run({.program = program, .arguments = {word}, .folder = folder / ""});
   };
   const Outcome help = outcome_of("--help");
-  if (help.status == 127) return;  // there is no Python
+  if (help.status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
   CHECK(help.status == 0);
   CHECK_THAT(help.out, ContainsSubstring(usage));
   CHECK(outcome_of("-h").out == help.out);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <vector>
 
 #include "support/catch.hpp"
 #include "support/common.hpp"
+#include "support/long_double.hpp"
 #include "support/random.hpp"
 #include "support/views.hpp"
 #include "support/wrong_cases.hpp"
@@ -19,9 +19,6 @@ using namespace protostar;
 namespace {
 
 using Long = long double;
-
-/// True if long double has enough digits to judge double, as on x86.
-constexpr bool long_double_is_judge = std::numeric_limits<Long>::digits >= 64;
 
 /// Returns ∫ f over [from, to] in long double, by the rule of Gauss and Legendre with 12 nodes in each panel.
 Long integral(const auto& f, Long from, Long to, int panels) {
@@ -145,7 +142,7 @@ TEST_CASE("a sphere wholly above the horizon gives π (R/d)² cos θ, and one be
 }
 
 TEST_CASE("a sphere that the horizon cuts gives the integral over its part above") {
-  if (!long_double_is_judge) return;
+  if (!long_double_judges()) return;
   Random random(1);
   WrongCases wrong(random);
   double most = 0;
@@ -188,7 +185,7 @@ TEST_CASE("the irradiance by a sphere is continuous where the horizon begins to 
 
 TEST_CASE(
     "the irradiance by a polygon is the integral over its area, also if it is tiny, far or seen edge on") {
-  if (!long_double_is_judge) return;
+  if (!long_double_judges()) return;
   Random random(2);
   WrongCases wrong(random);
   double most = 0;
@@ -295,7 +292,7 @@ TEST_CASE("a disk gives πR²/(R² + d²) on its axis, and elsewhere the integra
     const double expected = std::numbers::pi / (1 + d * d);
     CHECK(std::abs(disk_irradiance({0, 0, -d}, {0, 0, 1}, {0, 0, 0}, {0, 0, 3}, 1) / expected - 1) < 1e-14);
   }
-  if (!long_double_is_judge) return;
+  if (!long_double_judges()) return;
   Random random(5);
   WrongCases wrong(random);
   int checked = 0;
@@ -324,7 +321,7 @@ TEST_CASE("a disk gives πR²/(R² + d²) on its axis, and elsewhere the integra
 }
 
 TEST_CASE("the irradiance by a disk that the horizon cuts is the integral over the part above it") {
-  if (!long_double_is_judge) return;
+  if (!long_double_judges()) return;
   Random random(11);
   WrongCases wrong(random);
   int checked = 0;

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "support/catch.hpp"
+#include "support/long_double.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
@@ -18,7 +18,7 @@ TEST_CASE("an n-th power has a relative error below n units of roundoff") {
   CHECK(whole_power(0.75, 4) == 0.31640625);
   CHECK(whole_power(0.5, 1000) == 0x1p-1000);
   CHECK(whole_power(0.5, 2000) == 0);
-  if (std::numeric_limits<long double>::digits < 64) return;  // no longer type to compare with
+  if (!long_double_judges()) return;
   Random random(6);
   for (const int n : {2, 3, 5, 10, 50, 125, 1425, 4095, 60001}) {
     double most = 0;
