@@ -58,3 +58,38 @@ TEST_CASE("each script tells how it is called if it is asked to by --help or -h,
     CHECK(folder.count() == 0);
   }
 }
+
+TEST_CASE("a check that finds nothing to look at is no success") {
+  const TemporaryFolder folder;
+  const Outcome comments =
+      run({.program = project / "docs/check_comments", .arguments = {folder / ""}, .folder = folder / ""});
+  if (comments.status == 127)
+    WARN("not tested: python3 is not installed");
+  else
+    CHECK((comments.status == 2 && comments.err.starts_with("docs/check_comments: no comments in ")));
+
+  // A project without results of plain ray tracers in its pages.
+  fs::create_directories(folder / "tests/plain");
+  fs::create_directories(folder / "docs/stages");
+  fs::copy_file(project / "tests/plain/check", folder / "tests/plain/check");
+  put_bytes(folder / "docs/stages/01_gradient.md", "# Gradient\n");
+  const Outcome plain = run({.program = folder / "tests/plain/check",
+                             .arguments = {"g++", "compare_images", "work"},
+                             .folder = folder / ""});
+  if (plain.status == 77)
+    WARN("not tested: " << plain.out);
+  else
+    CHECK((plain.status == 1 && plain.err == "FAILED: no page has a line <!-- plain: NAME -->\n"));
+}
+
+TEST_CASE("bench_compile writes its table where it is called, not where the headers are") {
+  const TemporaryFolder folder;
+  const Outcome outcome =
+      run({.program = project / "tests/bench/bench_compile",
+           .arguments = {"--quick", "--csv", "a.csv"},
+           .folder = folder / "",
+           .before = [] { ::setenv("CXX", "true", 1); }});  // a compiler that does nothing
+  CHECK(outcome.status == 0);
+  const std::string table = bytes_of(folder / "a.csv");
+  CHECK(table.starts_with("file,seconds\naccel/accelerate.hpp,"));
+}
