@@ -1,9 +1,12 @@
 #include <protostar/accel/occluders.hpp>
+#include <protostar/numeric/exact_number.hpp>
 #include <protostar/protostar.hpp>
+#include <protostar/surfaces/box.hpp>
 
 #include "support/cases.hpp"
 #include "support/catch.hpp"
 #include "support/random.hpp"
+#include "support/wrong_cases.hpp"
 
 using namespace protostar;
 using simd::LaneMask, simd::ConeToLight, simd::Occluders, simd::RayPacket, simd::SeenFrom, simd::SphereAround,
@@ -266,4 +269,26 @@ TEST_CASE("a list that has served 2^29 rays, as in a tile of many samples, is fo
     CHECK(occluders.between(rays, true, search) != nullptr);
   }
   CHECK(searches == 3);
+}
+
+TEST_CASE("the sphere around a surface contains the corners of its bounds, without rounding") {
+  Random random(15);
+  WrongCases wrong(random);
+  for (int i = 0; i < 3000; ++i) {
+    const Point at = std::exp2(random.real(-60, 60)) * random.point(1);
+    const Box box{at, at + std::exp2(random.real(-60, 60)) * (random.point(1) + Vec3(1))};
+    const auto around = simd::sphere_around(box);
+    const Bounds bounds = box.bounds();
+    const ExactNumber radius = around.radius;
+    for (int corner = 0; corner < 8; ++corner) {
+      ExactNumber square = 0.0;
+      for (int k = 0; k < 3; ++k) {
+        const double end = corner >> k & 1 ? bounds.max[k] : bounds.min[k];
+        const ExactNumber off = ExactNumber(end) - ExactNumber(around.center[k]);
+        square = square + off * off;
+      }
+      wrong.add((radius * radius - square).sign() < 0, box, corner, around.center, around.radius);
+    }
+  }
+  CHECK(wrong == 0);
 }

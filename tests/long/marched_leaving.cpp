@@ -84,10 +84,12 @@ TEST_CASE("a ray that leaves a marched sphere outward is alone, and inward hits 
   const Marched marched(sphere_field, cube_bounds(1));
   Random random(7);
   WrongCases wrong(random);
+  int left = 0;
   for (int i = 0; i < cases(60, 20000); ++i) {
     const bool is_outward = i % 2 == 0;
     const auto ray = leaving_ray(random, marched, 1, is_outward, i % 4 >= 2);
     if (!ray) continue;
+    ++left;
     const auto ahead = crossings_of(marched, *ray), all = crossings_of(marched, *ray, everywhere);
     wrong.add(ahead.size() != (is_outward ? 0U : 1U), *ray, ahead);
     wrong.add(all.size() != 1, *ray, all);
@@ -97,17 +99,20 @@ TEST_CASE("a ray that leaves a marched sphere outward is alone, and inward hits 
     wrong.add(!(std::abs(all[0] - chord) < 1e-8 * std::abs(chord) + 1e-15), *ray, all, chord);
   }
   CHECK(wrong == 0);
+  CHECK(left > cases(30, 10000));
 }
 
 TEST_CASE("a ray that leaves an instance of a marched surface does not hit it where it starts") {
   const Instance marched(Marched(box_field, cube_bounds(1)), Affine{}.rotated_about({1, 2, 3}, 40));
   Random random(8);
   WrongCases wrong(random);
+  int left = 0;
   for (int i = 0; i < cases(60, 6000); ++i) {
     const Point from = 4.0 * random.direction();
     const Ray to{.origin = from, .direction = normalize(random.point(1) - from)};
     const auto t = marched.intersect(to);
     if (!t) continue;
+    ++left;
     const Point point = to.at(*t);
     const Vec3 normal = marched.normal_at(point);
     Ray leaving{.origin = point, .direction = random.direction(), .departure = marched.departure()};
@@ -117,4 +122,5 @@ TEST_CASE("a ray that leaves an instance of a marched surface does not hit it wh
     if (!is_outward) wrong.add(ahead.size() == 1 && ahead[0] < 1e-9, leaving, ahead);
   }
   CHECK(wrong == 0);
+  CHECK(left > cases(30, 3000));
 }
