@@ -25,9 +25,9 @@ double lit_facing(const Light& light) { return double{light.perpendicular_irradi
 
 /// Relative error of an irradiance: a light's color, its factor and their product are rounded to float, by
 /// 2^-24 of themselves each; the errors in double are less than 2^-40 together.
-constexpr double rounding = 3.001 * 0x1p-24;
+constexpr double irradiance_error = 3.001 * 0x1p-24;
 
-bool near(double a, double b) { return std::abs(a - b) <= rounding * std::abs(b); }
+bool near(double a, double b) { return std::abs(a - b) <= irradiance_error * std::abs(b); }
 
 std::string refusal(const auto& light) {
   return message_of<std::invalid_argument>([&] { static_cast<void>(Light(light)); });

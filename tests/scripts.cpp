@@ -14,18 +14,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path project = PROTOSTAR_SOURCE_DIR;
+const fs::path source_folder = PROTOSTAR_SOURCE_DIR;
 
 /// Returns the paths of all scripts, inside the project: files that begin with #! and the path of env.
 std::vector<std::string> scripts() {
   std::vector<std::string> found;
   for (const char* const folder : {".ci", "docs", "scenes", "stages", "tests"})
-    for (const auto& entry : fs::recursive_directory_iterator(project / folder)) {
+    for (const auto& entry : fs::recursive_directory_iterator(source_folder / folder)) {
       if (!entry.is_regular_file()) continue;
       std::ifstream file(entry.path(), std::ios::binary);
       std::string line;
       if (std::getline(file, line) && line.starts_with("#!/usr/bin/env "))
-        found.push_back(entry.path().lexically_relative(project).generic_string());
+        found.push_back(entry.path().lexically_relative(source_folder).generic_string());
     }
   return found;
 }
@@ -41,7 +41,7 @@ TEST_CASE("each script tells how it is called if it is asked to by --help or -h,
     std::string told;
     for (const std::string word : {"--help", "-h"}) {
       const auto temporary_files_here = [&] { ::setenv("TMPDIR", (folder / "").c_str(), 1); };
-      const Outcome outcome = run({.program = project / script,
+      const Outcome outcome = run({.program = source_folder / script,
                                    .arguments = {word},
                                    .folder = folder / "",
                                    .before = temporary_files_here});
@@ -61,8 +61,8 @@ TEST_CASE("each script tells how it is called if it is asked to by --help or -h,
 
 TEST_CASE("a check that finds nothing to look at is no success") {
   const TemporaryFolder folder;
-  const Outcome comments =
-      run({.program = project / "docs/check_comments", .arguments = {folder / ""}, .folder = folder / ""});
+  const Outcome comments = run(
+      {.program = source_folder / "docs/check_comments", .arguments = {folder / ""}, .folder = folder / ""});
   if (comments.status == 127)
     WARN("not tested: python3 is not installed");
   else
@@ -71,7 +71,7 @@ TEST_CASE("a check that finds nothing to look at is no success") {
   // A project without results of plain ray tracers in its pages.
   fs::create_directories(folder / "tests/plain");
   fs::create_directories(folder / "docs/stages");
-  fs::copy_file(project / "tests/plain/check", folder / "tests/plain/check");
+  fs::copy_file(source_folder / "tests/plain/check", folder / "tests/plain/check");
   put_bytes(folder / "docs/stages/01_gradient.md", "# Gradient\n");
   const Outcome plain = run({.program = folder / "tests/plain/check",
                              .arguments = {"g++", "compare_images", "work"},
@@ -85,7 +85,7 @@ TEST_CASE("a check that finds nothing to look at is no success") {
 TEST_CASE("bench_compile writes its table where it is called, not where the headers are") {
   const TemporaryFolder folder;
   const Outcome outcome =
-      run({.program = project / "tests/bench/bench_compile",
+      run({.program = source_folder / "tests/bench/bench_compile",
            .arguments = {"--quick", "--csv", "a.csv"},
            .folder = folder / "",
            .before = [] { ::setenv("CXX", "true", 1); }});  // a compiler that does nothing
