@@ -366,6 +366,30 @@ TEST_CASE("a ray's direction in box space has length 1, however long it is in th
   }
 }
 
+TEST_CASE("boxes are widened by at least the error of a rounded line where it passes the tree") {
+  Random random(22);
+  WrongCases wrong(random);
+  const AffineInverse same{Affine{}};
+  const Ray outer;
+  RayTransform transform(outer, same);
+  for (int i = 0; i < 4000; ++i) {
+    const Point middle = std::exp2(random.real(-10, 10)) * random.point(1);
+    const Vec3 half = std::exp2(random.real(-10, 10)) * (random.point(0.5) + Vec3(0.5));
+    const simd::BoxSpace space({middle - half, middle + half});
+    // Lines from anywhere, and from the other side of the coordinate origin.
+    const Point inside = middle + half * random.point(1);
+    const Point origin = i % 2 ? -middle : inside + std::exp2(random.real(-10, 10)) * random.direction();
+    const double t = std::exp2(random.real(-5, 5));
+    const Vec3 direction = (inside - origin) / t, size = abs(direction);
+    const double smallest = std::min({size.x, size.y, size.z});
+    transform.line = {origin, direction, 0x1p-50 * abs(random.point(1)),
+                      std::exp2(random.real(-53, -27)) * smallest * abs(random.point(1))};
+    const Vec3 off = transform.line.origin_error + t * transform.line.direction_error;
+    wrong.add(!(simd::widening(transform.ray(), space) >= length(off)), origin, direction, off);
+  }
+  CHECK(wrong == 0);
+}
+
 TEST_CASE("a ray that float cannot represent is marked as not usable") {
   const Bvh tree = tree_of({{Point{-1}, Point{1}}});
   const auto usable = [&](const Ray& ray) { return BoxRay(ray, tree.space(), 0).usable; };
