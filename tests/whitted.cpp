@@ -289,6 +289,7 @@ TEST_CASE("Phong's highlight: E⊥ times the cosine, to a power, between the eye
   CHECK(near(highlight({1, std::sqrt(2.0), -1}), Color{0.5f}));
   CHECK(near(highlight({1, 0, -1e-9}), Color{0.5f}));
   CHECK(highlight({-1, 0, -1e-9}) == Color{0});  // more than a right angle away
+  CHECK(highlight({1, 0, 0}) == Color{0});       // in the plane of the surface
   CHECK(highlight({1, 0, 0.5}) == Color{0});     // behind the surface
 }
 
