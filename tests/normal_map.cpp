@@ -5,6 +5,7 @@
 #include <protostar/integrators/normal.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/whitted.hpp>
+#include <protostar/lobes.hpp>
 #include <protostar/normals.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/box.hpp>
@@ -152,6 +153,18 @@ TEST_CASE("a normal map tilts the normal along u, and at a right angle to it on 
     CHECK(is_near(mapped_normal_of(surface, ray, constant({0, 3, 4})), 0.6 * b + 0.8 * n));
     CHECK(is_near(mapped_normal_of(surface, ray, constant({-0.2, 0.4, 0.4})),
                   (-0.2 * t + 0.4 * b + 0.4 * n) / 0.6));
+  }
+}
+
+TEST_CASE("a path scatters by the normals on the side that its ray comes from, the shading normal too") {
+  const auto scene =
+      scene_of(Parallelogram{{-1, -1, 4}, {2, 0, 0}, {0, 2, 0}}, {.normal_map = constant({3, 0, 4})});
+  for (const double side : {-1.0, 1.0}) {
+    CAPTURE(side);
+    const Vertex vertex(hit_of(scene, {.origin = {0, 0, 4 + side}, .direction = {0, 0, -side}}));
+    CHECK(vertex.normals.surface == Vec3{0, 0, side});
+    CHECK(is_near(vertex.normals.shading, {side * 0.6, 0, side * 0.8}));
+    CHECK(vertex.enters == (side > 0));
   }
 }
 
