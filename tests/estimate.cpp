@@ -305,6 +305,32 @@ TEST_CASE("a confidence sequence comes to its target, but not before the least n
         sequence.half_width() + (sequence.center() + 1 - sequence.center()));
 }
 
+TEST_CASE("the interval of a confidence sequence is that of its theorem, and little wider") {
+  Numbers numbers{11};
+  for (const double target : {0.001, 0.02, 0.25, 3.0}) {
+    CAPTURE(target);
+    const BernsteinRule rule(1, target, 0.01);
+    BernsteinSequence sequence(rule);
+    // The means so far and the variances that choose weights are as if 1/2 had been seen once, with 1/4.
+    double mean = 0.5, variance = 0.25, sum = 0.5, weights = 0, weighted = 0, penalty = 0;
+    for (int n = 1; n <= 100; ++n) {
+      const double x = n % 3 == 0 ? 1 : numbers.next();
+      sequence.add(x);
+      const double weight = std::min(0.75, target / (target + variance));
+      weights += weight, weighted += weight * x;
+      penalty += (x - mean) * (x - mean) * (-std::log1p(-weight) - weight);
+      sum += x, mean = sum / (n + 1);
+      variance = (variance * n + (x - mean) * (x - mean)) / (n + 1);
+      // 100 steps and the difference of ψ(λ), at least λ²/2, of two numbers of λ's size: below 2^-40 for
+      // these.
+      const double width = (rule.log() + penalty) / weights;
+      CHECK(sequence.half_width() > width * (1 - 0x1p-40));
+      CHECK(sequence.half_width() < width * 1.011);
+      CHECK(std::abs(sequence.center() - weighted / weights) < 0x1p-40);
+    }
+  }
+}
+
 TEST_CASE("a sequence scales with its range, and takes what is outside of it as an end") {
   const BernsteinRule one(1, 0.125, 0.05), eight(8, 1, 0.05);
   BernsteinSequence a(one), b(eight), c(eight);
