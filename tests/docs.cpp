@@ -498,27 +498,3 @@ TEST_CASE("docs/web/make_pages takes one folder, and no option for its name") {
   }
   CHECK(folder.count() == 0);
 }
-
-TEST_CASE("scripts of docs take no option for the name of a file") {
-  const TemporaryFolder folder;
-  const auto [script, usage] =
-      GENERATE(std::pair{"docs/check_comments", "docs/check_comments [--list] [FILE or FOLDER ...]"},
-               std::pair{"docs/web/build", "docs/web/build [BUILD [MODULE... [STAGE...]]]"});
-  CAPTURE(script);
-  const auto outcome_of = [&, program = repository / script](const std::string& word) {
-    return run({.program = program, .arguments = {word}, .folder = folder / ""});
-  };
-  const Outcome help = outcome_of("--help");
-  if (help.status == 127) {
-    WARN("not tested: python3 is not installed");
-    return;
-  }
-  CHECK(help.status == 0);
-  CHECK_THAT(help.out, ContainsSubstring(usage));
-  CHECK(outcome_of("-h").out == help.out);
-  const Outcome bogus = outcome_of("--bogus");
-  CHECK(bogus.status == 2);
-  CHECK(bogus.out.empty());
-  CHECK_THAT(bogus.err, ContainsSubstring(std::string("there is no option --bogus; usage: ") + usage));
-  CHECK(folder.count() == 0);
-}

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -92,4 +93,33 @@ TEST_CASE("bench_compile writes its table where it is called, not where the head
   CHECK(outcome.status == 0);
   const std::string table = bytes_of(folder / "a.csv");
   CHECK(table.starts_with("file,seconds\naccel/accelerate.hpp,"));
+}
+
+TEST_CASE("no script takes an unknown option for a file or a number") {
+  const TemporaryFolder folder;
+  const auto [script, usage] =
+      GENERATE(std::pair{"docs/check_comments", "docs/check_comments [--list] [FILE or FOLDER ...]"},
+               std::pair{"docs/web/build", "docs/web/build [BUILD [MODULE... [STAGE...]]]"},
+               std::pair{"docs/web/serve", "docs/web/serve [PORT [BUILD]]"},
+               std::pair{"tests/bench/figures", "tests/bench/figures [BUILD [NAME...]]"},
+               std::pair{"tests/bits/run", "tests/bits/run [--all] FOLDER [FLAG...]"},
+               std::pair{"tests/cost", "tests/cost"},
+               std::pair{"tests/fuzz/run", "tests/fuzz/run [SECONDS [FOLDER [SEED]]]"});
+  CAPTURE(script);
+  const auto outcome_of = [&, program = source_folder / script](const std::string& word) {
+    return run({.program = program, .arguments = {word}, .folder = folder / ""});
+  };
+  const Outcome help = outcome_of("--help");
+  if (help.status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
+  CHECK(help.status == 0);
+  CHECK_THAT(help.out, ContainsSubstring(usage));
+  CHECK(outcome_of("-h").out == help.out);
+  const Outcome bogus = outcome_of("--bogus");
+  CHECK(bogus.status == 2);
+  CHECK(bogus.out.empty());
+  CHECK_THAT(bogus.err, ContainsSubstring(std::string("there is no option --bogus; usage: ") + usage));
+  CHECK(folder.count() == 0);
 }
