@@ -3,6 +3,7 @@
 
 #include <protostar/exact/distance_field.hpp>
 #include <protostar/exact/functions.hpp>
+#include <protostar/fields/operations.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -236,4 +237,26 @@ TEST_CASE("nothing is known of a smooth minimum whose width is so small that its
   CHECK(std::isnan(smooth_min(Plain<double>(0.0), Plain<double>(0.0), 0x1p-1030).value));
   CHECK(joined(0x1p-1030).error == protostar::infinity);
   CHECK(joined(0x1p-1020).error < protostar::infinity);
+}
+
+namespace {
+
+/// Octant of space, which is open to one side.
+struct Octant {
+  template <class T>
+  [[nodiscard]] T operator()(const protostar::FieldPoint<T>& p) const {
+    return max(max(-p.x, -p.y), -p.z);
+  }
+  [[nodiscard]] static protostar::Bounds bounds(double level = 0) {
+    return {protostar::Point(-level), protostar::Point(protostar::infinity)};
+  }
+  void validate() const {}
+};
+
+}  // namespace
+
+TEST_CASE("a shape that is open to one side, once rotated, has infinite bounds") {
+  const protostar::Bounds box = protostar::fields::Rotated<Octant>({}, {1, 2, 3}, 40).bounds();
+  CHECK(box.min == protostar::Point(-protostar::infinity));
+  CHECK(box.max == protostar::Point(protostar::infinity));
 }
