@@ -212,6 +212,32 @@ TEST_CASE("a field finds the library's functions, whatever names a program uses"
   }
 }
 
+TEST_CASE("points of a field are added, multiplied and folded as vectors are") {
+  using Point = protostar::FieldPoint<Plain<double>>;
+  using protostar::Vec3;
+  const Vec3 v{1, -2, 5}, w{7, 3, -4};
+  const Point p{v.x, v.y, v.z}, q{w.x, w.y, w.z};
+  const Plain<double> k = 3;
+  const auto numbers = [](const Point& of) { return Vec3{of.x.value, of.y.value, of.z.value}; };
+  CHECK(numbers(-p) == -v);
+  CHECK(numbers(p + q) == v + w);
+  CHECK(numbers(p - q) == v - w);
+  CHECK(numbers(p + w) == v + w);
+  CHECK(numbers(p - w) == v - w);
+  CHECK(numbers(p * k) == 3.0 * v);
+  CHECK(numbers(k * p) == 3.0 * v);
+  CHECK(numbers(p * w) == v * w);
+  CHECK(numbers(abs(p)) == Vec3{1, 2, 5});
+  CHECK(numbers(fold(p)) == Vec3{1, 0, 1});
+  CHECK(numbers(min(p, k)) == Vec3{1, -2, 3});
+  CHECK(numbers(max(p, k)) == Vec3{3, 3, 5});
+  CHECK(dot(p, q).value == 7 - 6 - 20);
+  CHECK(dot(p, w).value == 7 - 6 - 20);
+  CHECK(length(Point{2.0, -3.0, 6.0}).value == 7);
+  CHECK(signed_length(Point{-1.0, 3.0, 4.0}).value == 5);
+  CHECK(signed_length(Point{-3.0, -1.0, -2.0}).value == -1);
+}
+
 TEST_CASE("plain lengths of vectors with many components are off by no more than their bound") {
   // The squares of all components but the first are each lost in the sum, which is 1.
   const auto lengths = []<std::size_t n>(const double(&x)[n]) {
