@@ -68,11 +68,40 @@ TEST_CASE("fields curve along lines by no more than the bounds of their second d
   });
 }
 
+TEST_CASE("in small boxes, too, fields curve by no more than the bounds of their second derivatives") {
+  for_each_sample_field([](const char* name, const auto& field, double size) {
+    INFO(name);
+    Random random(45);
+    WrongCases wrong(random);
+    int bounded = 0;
+    for (int i = 0; i < cases(400, 40000); ++i) {
+      const Point p = random.point(size);
+      const Vec3 h = std::exp2(random.real(-12, -6)) * random.direction(), reach = abs(h);
+      const Enclosure<double> bound = lipschitz_bound(field, {p - reach, p + reach}, 1).curvature;
+      bounded += bound.lower > -infinity || bound.upper < infinity;
+      const FieldPoint<TrueNumber> at{p.x, p.y, p.z}, way{h.x, h.y, h.z};
+      const TrueNumber twice = field(at + way) + field(at - way) - field(at) * 2.0;
+      const double curve = static_cast<double>(twice / (way.x * way.x + way.y * way.y + way.z * way.z));
+      // True numbers are off by less than 2^-80, and h² is above 2^-26.
+      wrong.add(!(bound.lower - 0x1p-50 <= curve && curve <= bound.upper + 0x1p-50), p, h, curve, bound.lower,
+                bound.upper);
+    }
+    CHECK(wrong == 0);
+    CHECK(bounded > 0);
+  });
+}
+
 TEST_CASE("bounds of second derivatives are those of convex, smooth and other fields") {
   const auto curvature = [](const auto& field) { return lipschitz_bound(field, cube_of(2), 300).curvature; };
   const auto is_near = [](double x, double right) { return std::abs(x - right) < 1e-9; };
   CHECK(is_near(curvature([](const auto& p) { return length(p) - 1.0; }).lower, 0));
   CHECK(is_near(curvature([](const auto& p) { return max(p.x, abs(p.y)); }).lower, 0));
+  // At (1, 0, 0) the length of (x², 1) has the unit vector (1, 1)/√2, |J|² = 4, and curves along x by
+  // 2/√2 to |J|²/√2 more, and not along y.
+  const auto curved = [](const auto& p) { return length(Vec2{square(p.x), p.x * 0.0 + 1.0}); };
+  const auto there = lipschitz_bound(curved, {{1, 0, 0}, {1, 0, 0}}, 1).curvature;
+  CHECK(is_near(there.lower, 0));
+  CHECK(is_near(there.upper, 3 * std::sqrt(2)));
   CHECK(curvature([](const auto& p) { return min(p.x, p.y); }).lower == -infinity);
   CHECK(is_near(curvature([](const auto& p) { return min(p.x, p.y); }).upper, 0));
   CHECK(is_near(curvature([](const auto& p) { return min(square(p.x), square(p.x) + 1.0); }).upper, 2));
