@@ -108,22 +108,25 @@ class HitsAmongFew : public TileHits<S...> {
         new (place(k)) std::optional<Intersection>(everything.intersect(one, Interval{}));
         continue;
       }
-      SurfaceCrossing first;
-      if (found.index[lane] >= 0)
+      const auto place_closest = [&](SurfaceCrossing first) {
+        Interval range;
+        if (first.surface != nullptr) range.max = upper_bound_of(first.crossing.t);
+        const auto look_if_other = [&]<class T>(std::type_identity<T>) {
+          if constexpr (!is_tested_in_lanes<T>) everything.template look_for_first<T>(one, range, first);
+        };
+        (look_if_other(std::type_identity<S>{}), ...);
+        if (first.surface == nullptr)
+          new (place(k)) std::optional<Intersection>();
+        else
+          new (place(k)) std::optional<Intersection>(std::in_place, one, first);
+      };
+      if (found.index[lane] < 0)
+        place_closest({});
+      else
         visit(found.index[lane], [&](const auto& surface, const Material& material) {
           const Crossing crossing{found.t[lane], static_cast<int>(bits(found.is_far) >> k & 1)};
-          first = crossing_on(surface, crossing, material);
+          place_closest(crossing_on(surface, crossing, material));
         });
-      Interval range;
-      if (first.surface != nullptr) range.max = upper_bound_of(first.crossing.t);
-      const auto look_if_other = [&]<class T>(std::type_identity<T>) {
-        if constexpr (!is_tested_in_lanes<T>) everything.template look_for_first<T>(one, range, first);
-      };
-      (look_if_other(std::type_identity<S>{}), ...);
-      if (first.surface == nullptr)
-        new (place(k)) std::optional<Intersection>();
-      else
-        new (place(k)) std::optional<Intersection>(std::in_place, one, first);
     }
   }
 };
