@@ -1,4 +1,5 @@
 // Scene files and their documentation: every key and word, the examples, the errors and the limits.
+#include <algorithm>
 #include <cstddef>
 #include <filesystem>
 #include <fstream>
@@ -39,12 +40,13 @@ std::string kind_of(const std::string& pointer) {
   return kind;
 }
 
-/// Returns the names in a message's list, "a, b and c" or "a, b or c".
+/// Returns the names in a message's list, "a, b and c" or "a, b or c". An object at its end is no name.
 std::set<std::string> list_in(const std::string& error) {
   std::set<std::string> names;
   std::string name;
   std::istringstream words(error);
   while (words >> name) {
+    if (name.starts_with('{')) break;
     std::erase_if(name, [](char c) { return c == ',' || c == '"'; });
     if (name != "and" && name != "or") names.insert(name);
   }
@@ -105,7 +107,13 @@ TEST_CASE("every key and word of a scene file has an example in a scene of the p
   for (const auto& [kind, words] : allowed)
     for (const std::string& word : words) {
       CAPTURE(kind, word);
-      CHECK(used[kind].contains(word));
+      // These stand alone, so that an object that has them may have no other key of the list.
+      const bool stands_alone = word == "matrix" || word == "image";
+      const std::string place = kind.substr(0, kind.find(' '));
+      CHECK(std::any_of(used.begin(), used.end(), [&](const auto& one) {
+        return one.second.contains(word) &&
+               (one.first == kind || (stands_alone && one.first.starts_with(place + ' ')));
+      }));
       CHECK((docs.find('`' + word + '`') != std::string::npos ||
              docs.find('"' + word + '"') != std::string::npos));
       ++count;
