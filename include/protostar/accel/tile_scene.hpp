@@ -2,10 +2,13 @@
 #pragma once
 
 #include <bit>
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <new>
 #include <optional>
+#include <tuple>
+#include <type_traits>
 #include <vector>
 
 #include "../plain_vector.hpp"
@@ -127,13 +130,22 @@ class TileScene : public HitsAmongFew<S...> {
   /// Returns which other rays have any hit in the range. In a scene of many surfaces, rays to a light are
   /// tested with the surfaces in a cone around them; if there is no such list, each ray is traced alone.
   ///
-  /// It is inlined where a surface is shaded, for each type of surface, and tests each type. With n types
-  /// these are n² copies, so that scenes of more than two types call one copy.
+  /// It is inlined where a surface is shaded, for each type of surface, with the tests of the first type. If
+  /// those of all n types were inlined, these would be n² copies: scenes of more than two types call one copy
+  /// of the others.
   [[nodiscard]] LaneMask occluded(const RayPacket& rays, Interval range) const {
+    state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
+    if (!any(rays.active)) return false;
+    // Copies, here and below, let the packet itself stay in registers.
+    if (rays.leave_primitives()) return occluded_one_by_one(RayPacket(rays), range);
+    if (scene_.size() > few_surfaces) return occluded_among_many(RayPacket(rays), range);
+    const LaneMask found = occluded_by<First>(rays, rays.active, range);
+    const LaneMask remaining = rays.active && !found;
+    if (scene_.size() == scene_.template surfaces<First>().size() || !any(remaining)) return found;
     if constexpr (sizeof...(S) > 2)
-      return called_occluded(rays, range);
+      return found || called_occluded_by_others(RayPacket(rays), remaining, range);
     else
-      return inlined_occluded(rays, range);
+      return found || occluded_by_others(rays, remaining, range);
   }
 
   /// Stores the surfaces that camera rays with these directions may cross (set_crossed). Returns true if
@@ -194,19 +206,33 @@ class TileScene : public HitsAmongFew<S...> {
 
   void count_alone() const { ++state_.counts.other_rays, ++state_.counts.rays_alone; }
 
-  [[nodiscard, gnu::noinline]] LaneMask called_occluded(const RayPacket& rays, Interval range) const {
-    return inlined_occluded(rays, range);
-  }
-  [[nodiscard]] LaneMask inlined_occluded(const RayPacket& rays, Interval range) const {
-    LaneMask found = false, remaining = rays.active;
-    state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(remaining)));
-    if (!any(remaining)) return found;
-    // Copies, here and below, let the packet itself stay in registers.
-    if (rays.leave_primitives()) return occluded_one_by_one(RayPacket(rays), range);
-    if (scene_.size() > few_surfaces) return occluded_among_many(RayPacket(rays), range);
-    for (std::size_t index = 0; index < scene_.size() && any(remaining); ++index)
-      test_any(static_cast<std::int64_t>(index), rays, range, false, found, remaining);
+  using First = std::tuple_element_t<0, std::tuple<S...>>;
+
+  /// Returns which of some rays have any hit in the range on surfaces of type T.
+  template <Surface T>
+  [[nodiscard]] LaneMask occluded_by(const RayPacket& rays, LaneMask remaining, Interval range) const {
+    LaneMask found = false;
+    for (const T& surface : scene_.template surfaces<T>()) {
+      if (!any(remaining)) break;
+      count_tests(remaining);
+      take_crossed(surface, rays, crossed_in(surface, rays, remaining, range), range, found, remaining);
+    }
     return found;
+  }
+
+  /// Returns which of some rays have any hit in the range on surfaces of other types than the first.
+  [[nodiscard]] LaneMask occluded_by_others(const RayPacket& rays, LaneMask remaining, Interval range) const {
+    LaneMask found = false;
+    const auto look_at = [&]<class T>(std::type_identity<T>) {
+      if constexpr (!std::same_as<T, First>)
+        found = found || occluded_by<T>(rays, remaining && !found, range);
+    };
+    (look_at(std::type_identity<S>{}), ...);
+    return found;
+  }
+  [[nodiscard, gnu::noinline]] LaneMask called_occluded_by_others(const RayPacket& rays, LaneMask remaining,
+                                                                  Interval range) const {
+    return occluded_by_others(rays, remaining, range);
   }
 
   [[nodiscard, gnu::noinline]] LaneMask occluded_among_many(const RayPacket& rays, Interval range) const {
@@ -249,12 +275,20 @@ class TileScene : public HitsAmongFew<S...> {
             is_drawn = true;
           }
       if (!is_drawn) tested = crossed_in(surface, rays, remaining, range);
-      LaneMask crossed = tested.crossed;
-      if (any(tested.in_doubt)) crossed = crossed || decide(surface, RayPacket(rays), tested.in_doubt, range);
-      if (!any(crossed)) return;
-      found = found || crossed;
-      remaining = remaining && !crossed;
+      take_crossed(surface, rays, tested, range, found, remaining);
     });
+  }
+
+  /// Moves the rays that cross a surface inside the range, as a test of all tells, from `remaining` to
+  /// `found`.
+  template <Surface T>
+  void take_crossed(const T& surface, const RayPacket& rays, const CrossedByEach<LaneMask>& tested,
+                    Interval range, LaneMask& found, LaneMask& remaining) const {
+    LaneMask crossed = tested.crossed;
+    if (any(tested.in_doubt)) crossed = crossed || decide(surface, RayPacket(rays), tested.in_doubt, range);
+    if (!any(crossed)) return;
+    found = found || crossed;
+    remaining = remaining && !crossed;
   }
 
   /// Returns those of the rays in doubt that cross a surface inside the range.
