@@ -74,7 +74,7 @@ class HitsAmongFew : public TileHits<S...> {
                    mask_of<double, double_lanes>(first_bits(static_cast<int>(count))));
     rays.time = load(6);
 
-    Closest found{.t = infinity, .index = no_surface_index};
+    Closest found;
     LaneMask in_doubt = false;
     std::int64_t index = 0;
     const auto test_all = [&]<class T>(const SceneVector<T>& surfaces) {

@@ -35,15 +35,22 @@ class TileHits {
   struct Nothing {
     Nothing(int) {}
   };
-  /// Closest hit of each ray.
+  /// Closest hit of each ray. It copies each member, as RayPacket does.
   struct Closest {
-    Doubles t;                ///< infinity if the ray misses
-    Indices index;            ///< surface's index in the scene's order; no_surface_index if the ray misses
-    LaneMask is_far = false;  ///< true at the second root of a surface that takes packets
+    Doubles t = infinity;              ///< infinity if the ray misses
+    Indices index = no_surface_index;  ///< surface's index in the scene's order, or no_surface_index
+    LaneMask is_far = false;           ///< true at the second root of a surface that takes packets
 
-    /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0, which is −1 for
-    /// root 0 of primitive 0.
+    /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0; −1: root 0 of 0.
     [[no_unique_address]] std::conditional_t<may_have_primitives, Indices, Nothing> primitive = -1;
+
+    Closest() = default;
+    Closest(const Closest& hits)
+        : t(hits.t), index(hits.index), is_far(hits.is_far), primitive(hits.primitive) {}
+    Closest& operator=(const Closest& hits) {
+      t = hits.t, index = hits.index, is_far = hits.is_far, primitive = hits.primitive;
+      return *this;
+    }
   };
 
   TileHits(const Scene<S...>& scene, const Candidates& candidates, State& state)
@@ -102,7 +109,7 @@ class TileHits {
   /// candidates has the registers for itself.
   [[nodiscard, gnu::noinline]] Closest closest(const CameraPacket& rays, const SeenByPacket& seen) const {
     const LaneMask open = rays.active && mask_for<double>(seen.indices == Indices(doubtful_index));
-    Closest closest{.t = infinity, .index = no_surface_index};
+    Closest closest;
     LaneMask in_doubt = false;
     test_seen(seen.indices, rays, closest, in_doubt);
     test_seen(seen.others, rays, closest, in_doubt);
@@ -250,9 +257,9 @@ class TileHits {
   /// hit sooner than `closest`. Returns the closest hits of all lanes; rays in doubt, by these tests or
   /// in_doubt, are traced alone among all of the surfaces. Only camera rays may be tested by visibility
   /// buffers.
-  [[nodiscard, gnu::always_inline]] Closest search(
-      const RayPacket& rays, LaneMask lanes, const auto& surfaces, bool are_of_camera,
-      Closest closest = {.t = infinity, .index = no_surface_index}, LaneMask in_doubt = false) const {
+  [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays, LaneMask lanes,
+                                                   const auto& surfaces, bool are_of_camera,
+                                                   Closest closest = {}, LaneMask in_doubt = false) const {
     if (any(lanes))
       for (int i = 0; i < surfaces.size(); ++i) {
         // If no ray can reach a surface before its closest hit, none can reach those that follow.
