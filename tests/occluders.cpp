@@ -236,6 +236,23 @@ TEST_CASE("rays with different ends, or of length 0, get no list of occluders") 
   }
 }
 
+TEST_CASE("rays that get no list of occluders leave those of other rays as they are") {
+  if (simd::double_lanes < 2) return;  // a single ray always gets a cone
+  Random random(19);
+  Occluders occluders;
+  int searches = 0;
+  const auto search = [&](const auto&, const auto& visit) {
+    ++searches;
+    visit(found(7, {Point{0, 0, 5}, 1}));
+  };
+  const RayPacket rays = to_light(random, {0, 0, 0}, {0, 0, 10}, 0.1);
+  CHECK(occluders.between(rays, true, search) != nullptr);
+  for (int i = 0; i < 8; ++i)  // around a light that is near them
+    CHECK(occluders.between(to_light(random, {0, 0, 0}, {0, 0, 1}, 3), true, search) == nullptr);
+  CHECK(occluders.between(rays, true, search) != nullptr);
+  CHECK(searches == 1);
+}
+
 TEST_CASE("rays with different ends leave no wrong list of occluders for later rays") {
   if (simd::double_lanes < 2) {
     WARN("not tested: a packet has a single ray");

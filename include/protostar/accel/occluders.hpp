@@ -24,8 +24,8 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 struct SeenFrom {
   Point apex;
   Vectors to_origin;  ///< from the apex to the rays' origins
-  Doubles squares;    ///< of the distances of the origins
-  Doubles beside;     ///< squares of the distances at which the rays end beside the apex
+  Doubles squares;    ///< squares of the distances of the origins
+  Doubles off_apex;   ///< squares of the distances at which the rays end beside the apex
   LaneMask which;     ///< chosen rays: one at least
 
   SeenFrom(const Point& from, const RayPacket& rays, LaneMask chosen)
@@ -34,13 +34,13 @@ struct SeenFrom {
         squares(dot(to_origin, to_origin)),
         which(chosen) {
     const Vectors end = rays.origin + rays.direction - Vectors(from);
-    beside = dot(end, end);
+    off_apex = dot(end, end);
   }
 };
 
-/// Round cone up to a distance from its apex, with all points no farther than drift from it. A segment from a
-/// point of the cone to the apex lies in it; one that ends beside the apex is at most as far beside that
-/// segment.
+/// Round cone up to a distance from its apex, together with the points that are no farther than drift from
+/// it. A segment from a point of the cone to the apex lies in it; one that ends beside the apex is at most as
+/// far beside that segment.
 ///
 /// drift is 2^-44 of the size of points, |apex| + length. Origins and ends of rays are accurate to 2^-51 of
 /// this; the tolerance of holds(), drift/4, is well inside.
@@ -71,7 +71,7 @@ class ConeToLight {
   [[nodiscard]] bool holds(const SeenFrom& rays) const {
     const Doubles along = dot(rays.to_origin, Vectors(axis_));
     const double least = cosine_ + 0x1p-46;
-    const LaneMask inside = rays.beside < 0.0625 * drift_ * drift_ && Doubles(0x1p-400) < rays.squares &&
+    const LaneMask inside = rays.off_apex < 0.0625 * drift_ * drift_ && Doubles(0x1p-400) < rays.squares &&
                             rays.squares < length_ * length_ && along > Doubles(0.0) &&
                             along * along > least * least * rays.squares;
     return !any(rays.which && !inside);
@@ -251,8 +251,8 @@ class Occluders {
 
   /// Lists for one light: several, since rays of neighboring pixels may start on surfaces that are far apart.
   struct ToLight {
-    Point light{0};   ///< where the first of its rays ends: the apex of all cones
-    double near = 0;  ///< square of the distance from the light within which its rays end
+    Point light{0};           ///< where the first of its rays ends: the apex of all cones
+    double near_squared = 0;  ///< square of the distance from the light within which its rays end
     List lists[lists_each];
     std::size_t next = 0;
     double wide = 4;  ///< width of a cone, as a multiple of that of a packet's rays
@@ -277,13 +277,11 @@ class Occluders {
         --waits;
         return nullptr;
       }
+      const ConeToLight cone(rays, wide);
+      if (!cone.is_cone() || !cone.holds(rays)) return nullptr;
       List& list = lists[next++ % lists_each];
-      list.cone = ConeToLight(rays, wide);
+      list.cone = cone;
       list.in_cone.clear();
-      if (!list.cone.holds(rays)) {  // false if they do not end together
-        list.cone.close();
-        return nullptr;
-      }
       int looked_at = least;
       search(list.cone.half_spaces(), [&](const SurfacesAround& surfaces) {
         const auto& [indices, lanes, around] = surfaces;
@@ -321,11 +319,12 @@ class Occluders {
   ToLight& lists_for(const RayPacket& rays, int lane) {
     const Point end = rays.origin[lane] + rays.direction[lane];
     for (std::size_t i = 0; i < count_; ++i)
-      if (const Vec3 apart = end - lights_[i].light; dot(apart, apart) < lights_[i].near) return lights_[i];
+      if (const Vec3 apart = end - lights_[i].light; dot(apart, apart) < lights_[i].near_squared)
+        return lights_[i];
     const double near = 0x1p-46 * (glm::length(end) + glm::length(rays.direction[lane]));
     if (count_ < most_lights) ++count_;
     ToLight& to_light = lights_[next_++ % most_lights];
-    to_light = {.light = end, .near = near * near, .lists = {}};
+    to_light = {.light = end, .near_squared = near * near, .lists = {}};
     return to_light;
   }
 
