@@ -67,6 +67,7 @@ class HitsAmongFew : public TileHits<S...> {
       const double of_ray[7] = {one.origin.x,    one.origin.y,    one.origin.z, one.direction.x,
                                 one.direction.y, one.direction.z, one.time};
       for (std::size_t i = 0; i < 7; ++i) numbers[i][k] = of_ray[i];
+      if (k >= count) continue;
       for (const int surface : lanes_in(everything.departed_together(one))) leaving[surface] |= Bits{1} << k;
     }
     const auto load = [&](std::size_t i) { return Doubles::load(numbers[i].data()); };
@@ -83,6 +84,7 @@ class HitsAmongFew : public TileHits<S...> {
         const LaneMask others = rays.active && !mask_of<double, double_lanes>(alone);
         count_tests(rays.active);
         ClosestCrossings first = first_crossings(surface, rays, others, Interval{});
+        first.is_far = first.is_far && others;
         if constexpr (protostar::detail::is_quadratic<T>)
           for (const int lane : lanes_in(alone))
             if (const auto crossing =
