@@ -157,11 +157,13 @@ struct ClosestCrossings {
   LaneMask is_far = false;  ///< true if it is the second root of its line, for a surface that takes packets
 };
 
-/// True for a surface with an equation, but no roots of its own, whose equation and normal_at take packets.
+/// True for a surface with an equation, but no roots of its own, whose equation, is_left_by and normal_at
+/// take packets.
 template <class S>
 inline constexpr bool takes_packets =
     SurfaceWithEquation<S> && !SurfaceWithRoots<S> && requires(const S& surface, const RayPacket& rays) {
   surface.equation(rays);
+  surface.is_left_by(rays);
 };
 
 /// Lanes whose t lies inside a range, surely or maybe, as lies_inside decides. Roots have the sign of the
