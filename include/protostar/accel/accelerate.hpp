@@ -76,9 +76,9 @@ class Accelerated<Scene<S...>> {
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 
-  /// Returns the surfaces that lie in the geometry that the ray departs from, such as the one that it leaves
-  /// and all that coincide with it: those with is_left_by true. Bit k is the k-th surface of the scene.
-  /// Returns 0 for a ray from free space. Precondition: at most few_surfaces surfaces.
+  /// Returns the surfaces that tell by is_left_by that the ray departs from them: the one that it leaves, and
+  /// all that coincide with it. Bit k is the k-th surface of the scene. Returns 0 for a ray from free space.
+  /// Precondition: at most few_surfaces surfaces.
   [[nodiscard]] simd::Bits departed_together(const Ray& ray) const {
     if (ray.departure.kind == Departure::Kind::none) return 0;
     std::size_t index = 0;
@@ -91,7 +91,8 @@ class Accelerated<Scene<S...>> {
   }
 
   /// Replaces `first`, the closest hit of a ray inside a range among the surfaces of all types before T, or
-  /// none, by the closest among those of T as well, and ends the range there.
+  /// none, by the closest among those of T as well, and ends the range there. It does not ask whether the
+  /// scene has changed (require_same_surfaces).
   template <class T>
   void look_for_first(const Ray& ray, Interval& range, SurfaceCrossing& first) const {
     const auto& surfaces = scene_->template surfaces<T>();

@@ -31,7 +31,7 @@ concept MeetsTogether = FollowsPaths<I> && std::same_as<typename I::MeetsTogethe
 
 /// Integrator whose radiance of a ray is shade() of its closest hit, or background(), as FirstHit has it.
 /// Camera rays are traced in packets, and each hit is shaded by itself. It declares this for its own type
-/// only, too, and all rays that miss have the same radiance, as above.
+/// only, too. All rays that miss have the same radiance, unless there is an environment.
 template <class I>
 concept ShadesEachHit = std::same_as<typename I::ShadesEachHit, I>;
 

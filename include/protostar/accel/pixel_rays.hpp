@@ -29,15 +29,15 @@ struct RayBlock {
 /// Numbers from which a packet of camera rays is made (PixelRays::packet).
 struct PacketRays {
   Vectors directions;  ///< unit vectors
-  Doubles x, y;    ///< film coordinates u, v, or points of a lens in the unit disk; set only if each pixel
-                   ///< has places, or points of the lens, of its own
+  Doubles x, y;    ///< film coordinates u, v, or points of a lens in the unit disk; set only without tables
+                   ///< of columns and rows
   Floats weights;  ///< weights of the samples by the filter; set as x and y are
   Doubles time;    ///< set only if the shutter is open
 };
 
 /// Rays of a camera through the pixels of an image: PixelGrid::ray. If places in pixels are the same in all
 /// of them, the terms that the pixels of a column or a row share are computed once, unless there are so many
-/// samples that these tables would take more than half a gigabyte.
+/// samples that these tables would take about half a gigabyte or more.
 class PixelRays {
  public:
   /// Computes the tables. It is called once for a picture, so that it is compiled for size (gnu::cold), which

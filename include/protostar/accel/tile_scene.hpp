@@ -130,9 +130,9 @@ class TileScene : public HitsAmongFew<S...> {
   /// Returns which other rays have any hit in the range. In a scene of many surfaces, rays to a light are
   /// tested with the surfaces in a cone around them; if there is no such list, each ray is traced alone.
   ///
-  /// It is inlined where a surface is shaded, for each type of surface, with the tests of the first type. If
-  /// those of all n types were inlined, these would be n² copies: scenes of more than two types call one copy
-  /// of the others.
+  /// It is inlined where a surface is shaded, for each type of surface, with the tests of the first type. The
+  /// tests of all n types would be inlined n times each: scenes of more than two types call one copy of the
+  /// others.
   [[nodiscard]] LaneMask occluded(const RayPacket& rays, Interval range) const {
     state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
     if (!any(rays.active)) return false;
