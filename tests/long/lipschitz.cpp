@@ -20,6 +20,20 @@ TrueNumber true_at(const auto& field, const Point& p) { return field(FieldPoint<
 
 Bounds cube_of(double size) { return {Point{-size}, Point{size}}; }
 
+/// Returns the second difference of a field around a point, over h²: a value of its second derivative along
+/// h.
+double curve_of(const auto& field, const Point& p, const Vec3& h) {
+  const FieldPoint<TrueNumber> at{p.x, p.y, p.z}, way{h.x, h.y, h.z};
+  const TrueNumber twice = field(at + way) + field(at - way) - field(at) * 2.0;
+  return static_cast<double>(twice / (way.x * way.x + way.y * way.y + way.z * way.z));
+}
+
+/// Tests whether a value of curve_of is in its bounds: true numbers are off by less than 2^-80, and h² is
+/// above 2^-26.
+bool is_in_bounds(double curve, const Enclosure<double>& bound) {
+  return bound.lower - 0x1p-50 <= curve && curve <= bound.upper + 0x1p-50;
+}
+
 }  // namespace
 
 TEST_CASE("fields vary by no more than their Lipschitz constant") {
@@ -57,12 +71,8 @@ TEST_CASE("fields curve along lines by no more than the bounds of their second d
       bool is_inside = true;
       for (int k = 0; k < 3; ++k) is_inside = is_inside && std::abs(p[k]) + std::abs(h[k]) < size;
       if (!is_inside) continue;
-      const FieldPoint<TrueNumber> at{p.x, p.y, p.z}, way{h.x, h.y, h.z};
-      const TrueNumber twice = field(at + way) + field(at - way) - field(at) * 2.0;
-      const double curve = static_cast<double>(twice / (way.x * way.x + way.y * way.y + way.z * way.z));
-      // True numbers are off by less than 2^-80, and h² is above 2^-26.
-      wrong.add(!(bound.lower - 0x1p-50 <= curve && curve <= bound.upper + 0x1p-50), p, h, curve, bound.lower,
-                bound.upper);
+      const double curve = curve_of(field, p, h);
+      wrong.add(!is_in_bounds(curve, bound), p, h, curve, bound.lower, bound.upper);
     }
     CHECK(wrong == 0);
   });
@@ -79,12 +89,8 @@ TEST_CASE("in small boxes, too, fields curve by no more than the bounds of their
       const Vec3 h = std::exp2(random.real(-12, -6)) * random.direction(), reach = abs(h);
       const Enclosure<double> bound = lipschitz_bound(field, {p - reach, p + reach}, 1).curvature;
       bounded += bound.lower > -infinity || bound.upper < infinity;
-      const FieldPoint<TrueNumber> at{p.x, p.y, p.z}, way{h.x, h.y, h.z};
-      const TrueNumber twice = field(at + way) + field(at - way) - field(at) * 2.0;
-      const double curve = static_cast<double>(twice / (way.x * way.x + way.y * way.y + way.z * way.z));
-      // True numbers are off by less than 2^-80, and h² is above 2^-26.
-      wrong.add(!(bound.lower - 0x1p-50 <= curve && curve <= bound.upper + 0x1p-50), p, h, curve, bound.lower,
-                bound.upper);
+      const double curve = curve_of(field, p, h);
+      wrong.add(!is_in_bounds(curve, bound), p, h, curve, bound.lower, bound.upper);
     }
     CHECK(wrong == 0);
     CHECK(bounded > 0);

@@ -41,7 +41,7 @@ class TileHits {
     Indices index = no_surface_index;  ///< surface's index in the scene's order, or no_surface_index
     LaneMask is_far = false;           ///< true at the second root of a surface that takes packets
 
-    /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing) < 0; −1: root 0 of 0.
+    /// Primitive that is hit: entry ≥ 0 of a visibility buffer, or number_of(Crossing), which is below 0.
     [[no_unique_address]] std::conditional_t<may_have_primitives, Indices, Nothing> primitive = -1;
 
     Closest() = default;
@@ -330,8 +330,8 @@ class TileHits {
     keep_closer(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
   }
 
-  /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it. Hits are
-  /// shaded one by one if shade_hits takes single ones alone, or the material has a normal map.
+  /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it. They are
+  /// shaded one by one if shade_hits takes single hits only, with a normal map, and on primitives not drawn.
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
                                 const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
