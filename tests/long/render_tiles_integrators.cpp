@@ -1,15 +1,18 @@
 // A user's integrators in render by tiles: the pictures drawn ray by ray.
 #include <protostar/accel/render_tiles.hpp>
 #include <protostar/integrators/depth.hpp>
+#include <protostar/integrators/shadow.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/mesh.hpp>
 #include <protostar/surfaces/moving.hpp>
 #include <protostar/surfaces/parallelogram.hpp>
+#include <protostar/surfaces/plane.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <protostar/surfaces/torus.hpp>
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "scenes/three_spheres.hpp"
 #include "support/catch.hpp"
@@ -154,7 +157,32 @@ struct Telltale : FirstHit<Telltale> {
   }
 };
 
+/// User-defined surface whose equation takes packets, and whose other functions take single rays and points.
+struct HalfPacketPlane {
+  Plane plane;
+
+  std::optional<double> intersect(const Ray& ray, Interval range) const {
+    return plane.intersect(ray, range);
+  }
+  Vec3 normal_at(const Point& p) const { return plane.normal_at(p); }
+  auto equation(const auto& rays) const { return plane.equation(rays); }
+  bool is_left_by(const Ray& ray) const { return plane.is_left_by(ray); }
+  Departure departure() const { return plane.departure(); }
+};
+
 }  // namespace
+
+TEST_CASE("by tiles, a surface whose equation alone takes packets has the same picture as ray by ray") {
+  Scene<Sphere, HalfPacketPlane> scene;
+  scene.add(Sphere{.center = {0, 0, 5}, .radius = 1}, Color{0.5f});
+  scene.add(HalfPacketPlane{{{0, 1, 0}, -1}}, Color{0.25f});
+  scene.add(PointLight{{0, 4, 2}, Color{100}});
+  Image plain(64, 48), image(64, 48);
+  render(plain, Camera{}, scene, ShadowIntegrator{}, {.tiles = false});
+  render(image, Camera{}, scene, ShadowIntegrator{});
+  CHECK(different_bytes(image, plain) == 0);
+  CHECK(count_pixels(plain, [&](int x, int y) { return plain(x, y) != Color{0}; }) > 1000);
+}
 
 TEST_CASE("by tiles, an integrator that shades and asks for crossings draws the same picture as ray by ray") {
   Scene<Sphere> scene;
