@@ -148,11 +148,18 @@ struct Ray {
 
 namespace detail {
 
+/// Line of a ray, copied, so that a loop over surfaces computes once what their equations have in common.
+struct CopiedLine {
+  Point origin;
+  Vec3 direction;
+};
+
 /// Tests whether the square of a direction neither underflows nor takes products with it out of the range of
-/// double.
+/// double. Without a branch, so that a loop over surfaces computes it once for a ray.
 template <class T>
 [[nodiscard, gnu::always_inline]] inline auto is_moderate_square(const T& A) {
-  return 0x1p-150 < A && A < 0x1p150;
+  const auto is_large = 0x1p-150 < A, is_small = A < 0x1p150;
+  return is_large && is_small;
 }
 
 }  // namespace detail

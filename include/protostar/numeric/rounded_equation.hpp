@@ -50,6 +50,8 @@ struct RoundedLinear {
   T height, slope;
   M misses, crosses;  ///< true if the line surely misses or surely crosses the surface
   M is_certain;       ///< true if height / slope is as accurate as Roots requires
+
+  [[nodiscard, gnu::always_inline]] const M& surely_misses() const { return misses; }
 };
 template <class H, class T, class M>
 RoundedLinear(H, T, M, M, M) -> RoundedLinear<T, M>;
@@ -183,30 +185,30 @@ template <class T, class C, class M>
 [[nodiscard, gnu::always_inline]] inline FirstRootOfEach<T, M> first_root_of_each(
     const RoundedQuadratic<T, C>& e, const M& active) {
   using std::sqrt;
-  FirstRootOfEach<T, M> first{.t = infinity, .is_there = false, .in_doubt = false, .is_far = M(e.c < 0.0)};
-  const M open = active && !e.surely_misses();
-  if (!any(open)) return first;
-  const auto find = [&](const T& t, const M& certain, const M& recedes) {
-    first.t = t;
-    first.is_there = open && certain && !recedes && t > 0.0 && t < infinity;
-    first.in_doubt = open && !certain && !(recedes && e.D > 4 * e.E);
-  };
-  const auto is_outside = e.c > 0x1p-18 * e.w;
-  if constexpr (std::is_same_v<decltype(is_outside), const bool>)
-    if (is_outside) {
-      if constexpr (std::is_same_v<T, double>)
-        if (e.b < 0) {
-          find(infinity, false, true);
-          return first;
-        }
-      const T root = sqrt(e.D), q = e.b + root;
-      find(e.c / q, root * q > 0x1p31 * e.E && e.b >= 0.0, e.b < 0.0);
-      return first;
+  T t = infinity;
+  M is_there = false, in_doubt = false;
+  if (const M open = active && !e.surely_misses(); any(open)) {
+    const auto set = [&](const T& root, const M& certain, const M& recedes) {
+      t = root;
+      is_there = open && certain && !recedes && t > 0.0 && t < infinity;
+      in_doubt = open && !certain && !(recedes && e.D > 4 * e.E);
+    };
+    const auto is_outside = e.c > 0x1p-18 * e.w;
+    constexpr bool is_shared = std::is_same_v<decltype(is_outside), const bool>;  // by all lines
+    if (is_shared && any(is_outside)) {
+      if (std::is_same_v<T, double> && any(e.b < 0.0)) {
+        set(infinity, false, true);
+      } else {
+        const T root = sqrt(e.D), q = e.b + root;
+        set(T(e.c) / q, root * q > 0x1p31 * e.E && e.b >= 0.0, e.b < 0.0);
+      }
+    } else {
+      const auto [q, certain] = detail::certified_quotient(e);
+      const M is_q_over_A = M(!is_outside) && q >= 0.0;
+      set(select(is_q_over_A, q, T(e.c)) / select(is_q_over_A, e.A, q), certain, M(is_outside) && q < 0.0);
     }
-  const auto [q, certain] = detail::certified_quotient(e);
-  const M is_q_over_A = M(!is_outside) && q >= 0.0;
-  find(select(is_q_over_A, q, T(e.c)) / select(is_q_over_A, e.A, q), certain, M(is_outside) && q < 0.0);
-  return first;
+  }
+  return {.t = t, .is_there = is_there, .in_doubt = in_doubt, .is_far = M(e.c < 0.0)};
 }
 
 /// Lines that cross a surface in 0 < t < 1 or in t > 0, and lines in doubt.
