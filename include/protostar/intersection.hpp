@@ -101,7 +101,14 @@ class Intersection {
   /// Parameter of the ray here, a distance in scene units if the ray's direction is a unit vector.
   double t;
 
-  Intersection(const Ray& ray, const SurfaceCrossing& on) : t(on.crossing.t), ray_(ray), on_(on) {}
+  /// Copies the crossing number by number, as it has often just been stored (copied, vec3.hpp).
+  Intersection(const Ray& ray, const SurfaceCrossing& on)
+      : t(on.crossing.t),
+        ray_(ray),
+        on_{.crossing = {on.crossing.t, on.crossing.root, on.crossing.primitive},
+            .surface = on.surface,
+            .functions = on.functions,
+            .material = on.material} {}
 
   /// Returns the point of the ray at t, with t limited to 2^440 (most_t).
   [[nodiscard]] Point point() const { return ray_.at(std::min(t, most_t)); }

@@ -101,20 +101,18 @@ template <Surface T>
                                         Interval range, SurfaceCrossing& first) {
   if constexpr (SurfaceWithEquation<T> && !SurfaceWithRoots<T>)
     if (range.min == 0 && ray.transform == nullptr) {
-      // The ray without its departure, copied: what its equation has in common with all surfaces is computed
-      // once.
-      const struct {
-        Point origin;
-        Vec3 direction;
-      } line{ray.origin, ray.direction};
+      const detail::CopiedLine line{ray.origin, ray.direction};
       constexpr double error = Roots::relative_error;
       const bool departs = ray.departure.kind != Departure::Kind::none;
       double end = range.max, sooner = (1 - 8 * error) * end, later = (1 + 2 * error) * end;
       const T* const all = surfaces.data();
       for (std::size_t i = 0, count = surfaces.size(); i < count; ++i) {
         const T& surface = all[i];
-        const auto root = first_root_of_each(surface.equation(line), true);
-        const bool is_known = !root.in_doubt && !(departs && surface.is_left_by(ray));
+        const auto e = surface.equation(line);
+        const bool leaves = departs && surface.is_left_by(ray);
+        if (e.surely_misses() && !leaves) continue;
+        const auto root = first_root_of_each(e, true);
+        const bool is_known = !root.in_doubt && !leaves;
         if (is_known && !(root.is_there && root.t < later)) continue;
         if (is_known && root.t < sooner) {
           first = crossing_on(surface, {root.t, root.is_far}, materials[i]);
@@ -129,6 +127,29 @@ template <Surface T>
   for (std::size_t i = 0; i < surfaces.size(); ++i)
     range.max = take_if_closer(surfaces[i], materials[i], ray, range, first);
   return range.max;
+}
+
+/// Searches any hit among surfaces of one type; returns true at the first in the range. Few operations tell
+/// that an equation has no root, which is so for most surfaces.
+template <Surface T>
+[[nodiscard]] bool search_any_hit(const SceneVector<T>& surfaces, const Ray& ray, const Interval& range) {
+  if constexpr (SurfaceWithEquation<T> && !SurfaceWithRoots<T>)
+    if (range.min == 0 && (range.max == 1 || range.max == infinity) && ray.transform == nullptr) {
+      const detail::CopiedLine line{ray.origin, ray.direction};
+      const bool departs = ray.departure.kind != Departure::Kind::none, is_segment = range.max == 1;
+      for (const T& surface : surfaces) {
+        const auto e = surface.equation(line);
+        const bool leaves = departs && surface.is_left_by(ray);
+        if (e.surely_misses() && !leaves) continue;
+        const auto known =
+            leaves ? crossed_by_each(surface, ray, true, is_segment) : crossed_by_each(e, true, is_segment);
+        if (known.in_doubt ? first_crossing(surface, ray, range).has_value() : known.crossed) return true;
+      }
+      return false;
+    }
+  for (const T& surface : surfaces)
+    if (any_hit(surface, ray, range)) return true;
+  return false;
 }
 
 namespace detail {
@@ -252,17 +273,12 @@ class Scene<S...> {
     SurfaceCrossing first;
     ((range.max = search_closest_hit(surfaces<S>(), materials<S>(), ray, range, first)), ...);
     if (first.surface == nullptr) return std::nullopt;
-    return Intersection(ray, first);
+    return std::optional<Intersection>(std::in_place, ray, first);  // built where the caller wants it
   }
 
   /// Returns true if there is any hit in the range. The first one found ends the search.
   [[nodiscard]] bool occluded(const Ray& ray, [[maybe_unused]] Interval range = {}) const {
-    [[maybe_unused]] const auto any_is_hit = [&](const auto& surfaces) {
-      for (std::size_t i = 0; i < surfaces.size(); ++i)
-        if (any_hit(surfaces[i], ray, range)) return true;
-      return false;
-    };
-    return (any_is_hit(surfaces<S>()) || ...);
+    return (search_any_hit(surfaces<S>(), ray, range) || ...);
   }
 
   /// Calls visit(const Intersection&) for all hits in the range, in the order of the surfaces, not along the
