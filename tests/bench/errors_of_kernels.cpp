@@ -126,18 +126,7 @@ struct Loop {
   }
 };
 
-/// Runs the library's own loop, which decides the order exactly as well.
-int closest_hits_of_scene(const Loop& loop) {
-  int hits = 0;
-  for (const Ray& ray : loop.rays) {
-    const auto hit = loop.scene.intersect(ray);
-    bench::keep(hit);
-    if (hit) ++hits;
-  }
-  return hits;
-}
-
-/// Runs the library's own loop with answers as Intersection, which holds its ray.
+/// Runs the library's own loop, which decides the order exactly as well, and returns an Intersection.
 int intersections_of_scene(const Loop& loop) {
   int hits = 0;
   for (const Ray& ray : loop.rays) {
@@ -180,9 +169,6 @@ const std::vector<Kernel> kernels{
     float_kernel<usual::gems>("RT Gems 7"),
     double_kernel<usual::quadratic<double>>("double"),
     double_kernel<certified>("certified roots"),
-    Kernel{"Scene::closest_hit",
-           [](const Ray& ray, const Sphere& sphere) { return sphere.intersect(ray).value_or(infinity); },
-           closest_hits_of_scene},
     Kernel{"Scene::intersect",
            [](const Ray& ray, const Sphere& sphere) { return sphere.intersect(ray).value_or(infinity); },
            intersections_of_scene}};
