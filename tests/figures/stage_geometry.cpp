@@ -70,7 +70,7 @@ void plane_crossing(Drawing& drawing) {
   const Vec3 n = normalize(Vec3{-0.35, 1, 0}), along{n.y, -n.x, 0};
   const Point a = -1.5 * along;
   const Plane plane{.normal = n, .distance = 0};
-  const Ray ray{.origin = {-2.3, 1.0, 0}, .direction = normalize(Vec3{1, -0.2, 0})};
+  const Ray ray{.origin = 1.75 * n - 1.85 * along, .direction = std::sqrt(0.75) * along - 0.5 * n};
   const double t = plane.intersect(ray).value(), height = dot(n, ray.origin - a),
                slope = -dot(n, ray.direction);
   expect(std::abs(t - height / slope) < 1e-12, "plane_crossing");
@@ -139,9 +139,11 @@ void parallelogram(Drawing& drawing) {
     const Uv uv = shape.uv_at(p);
     const double alpha = uv.x / length(shape.edge_u), beta = uv.y / length(shape.edge_v);
     const bool is_hit = shape.intersect(ray).has_value();
-    sketch.mark(p, is_hit ? Paint::green : Paint::red);
-    sketch.words(p, {10, -8}, joined({"(", text_of(alpha), ", ", text_of(beta), ")"}),
-                 is_hit ? Paint::green : Paint::red);
+    const Paint paint = is_hit ? Paint::green : Paint::red;
+    sketch.mark(p, paint);
+    sketch.words(p, {is_hit ? -10.0 : 12.0, is_hit ? -8.0 : 6.0},
+                 joined({"(", text_of(alpha), ", ", text_of(beta), ")"}), paint,
+                 is_hit ? Anchor::end : Anchor::start);
   }
   sketch.mark(at(0, 0), Paint::ink);
   sketch.words(at(0, 0), {-12, 12}, "p₀", Paint::ink, Anchor::end);

@@ -221,24 +221,26 @@ int wrong_shadows(float scale, int& tested) {
 
 void scales(Drawing& drawing) {
   drawing.words({320, 26}, "wrong shadow rays with an offset of 0.0001", Anchor::middle, Paint::ink, true);
-  double x = 40;
+  double x = 34;
   for (const auto& [scale, name] : {std::pair{1e-5f, "10⁻⁵"},
                                     {1e-4f, "10⁻⁴"},
                                     {1e-3f, "10⁻³"},
                                     {1e-2f, "10⁻²"},
+                                    {1e-1f, "0.1"},
                                     {1.0f, "1"},
                                     {10.0f, "10"},
                                     {1e2f, "100"},
+                                    {1e3f, "1000"},
                                     {1e4f, "10⁴"}}) {
     int tested = 0;
     const double share = 100.0 * wrong_shadows(scale, tested) / tested, high = 4 * share;
-    drawing.rectangle({x, 250 - high}, 46, high, Paint::red, Fill::soft);
-    drawing.words({x + 23, 242 - high}, text_of(share, 1) + "%", Anchor::middle, Paint::red);
-    drawing.words({x + 23, 276}, name, Anchor::middle);
-    x += 73;
+    drawing.rectangle({x, 250 - high}, 40, high, Paint::red, Fill::soft);
+    drawing.words({x + 20, 242 - high}, text_of(share, 1) + "%", Anchor::middle, Paint::red);
+    drawing.words({x + 20, 276}, name, Anchor::middle);
+    x += 59;
   }
-  drawing.line({30, 250}, {620, 250}, Paint::ink);
-  drawing.words({320, 306}, "size of the scene, in times", Anchor::middle);
+  drawing.line({24, 250}, {616, 250}, Paint::ink);
+  drawing.words({320, 306}, "size of the scene: 1 is that of stage 09", Anchor::middle);
 }
 
 void phong(Drawing& drawing) {
@@ -405,7 +407,7 @@ void mirror_paths(Drawing& drawing) {
     ray = hit.leave(reflected(ray.direction, hit.facing_normal()));
   }
   sketch.ray(ray, 0.6, Paint::gray, Stroke::dashed);
-  sketch.words(ray.at(0.6), {-10, 30}, "not sent", Paint::gray, Anchor::end);
+  sketch.words(ray.at(0.6), {10, 6}, "not sent", Paint::gray);
   drawing.words({320, 262}, "two mirrors, and a depth of 5: five rays in one path", Anchor::middle);
 }
 
