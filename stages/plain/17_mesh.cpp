@@ -222,11 +222,12 @@ Surface mesh(std::vector<Triangle> triangles) {
   return [=](const Ray& ray) {
     Crossings result;
     for (const Triangle& triangle : triangles) {
-      const Vec s = ray.origin - triangle.p, a = cross(ray.direction, triangle.pr), b = cross(s, triangle.pq);
-      const double determinant = dot(a, triangle.pq);
-      const double u = dot(a, s) / determinant, v = dot(b, ray.direction) / determinant;
+      const Vec s = ray.origin - triangle.p;
+      const Vec d_cross_pr = cross(ray.direction, triangle.pr), s_cross_pq = cross(s, triangle.pq);
+      const double determinant = dot(d_cross_pr, triangle.pq);
+      const double u = dot(d_cross_pr, s) / determinant, v = dot(s_cross_pq, ray.direction) / determinant;
       if (!(u >= 0 && v >= 0 && u + v <= 1)) continue;
-      const double t = dot(b, triangle.pr) / determinant;
+      const double t = dot(s_cross_pq, triangle.pr) / determinant;
       result.push_back({t, (1 - u - v) * triangle.normal_p + u * triangle.normal_q + v * triangle.normal_r});
     }
     return result;
