@@ -27,15 +27,14 @@ template <Surface... S>
 class TileHits {
  public:
   using State = TileState<S...>;
-  /// True if any type can be rasterized; and if surfaces of any type may have primitives.
-  static constexpr bool rasterizes = (RasterizedSurface<S> || ...);
-  static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);
+  static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< any type can be rasterized
+  static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);  ///< surfaces may have them
 
   /// Type of Closest::primitive if no surface has primitives.
   struct Nothing {
     Nothing(int) {}
   };
-  /// Closest hit of each ray. It copies each member, as RayPacket does.
+  /// Closest hit of each ray. It is copied member by member, so that it stays in registers (RayPacket).
   struct Closest {
     Doubles t = infinity;              ///< infinity if the ray misses
     Indices index = no_surface_index;  ///< surface's index in the scene's order, or no_surface_index
@@ -87,7 +86,7 @@ class TileHits {
     return has;
   }
 
-  /// Calls f(buffer) and returns true if rays of the camera can hit only one surface, and that is rasterized.
+  /// Calls f(buffer) and returns true if there is a single candidate, and it has a visibility buffer.
   bool with_only_buffer(const auto& f) const {
     bool is_rasterized = false;
     if constexpr (rasterizes)
@@ -331,7 +330,8 @@ class TileHits {
   }
 
   /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it. They are
-  /// shaded one by one if shade_hits takes single hits only, with a normal map, and on primitives not drawn.
+  /// shaded one by one if shade_hits takes single hits only, if the material has a normal map, or if
+  /// primitives are hit that are in no visibility buffer.
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
                                 const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
@@ -364,8 +364,8 @@ class TileHits {
     return result;
   }
 
-  /// Returns the crossing of the closest hit in a lane: by number_of it, or by t and is_far for a type that
-  /// takes packets. It is found again for all other types, and for hits from a visibility buffer.
+  /// Returns the crossing of the closest hit in a lane: from its number (number_of), or for a type that takes
+  /// packets from t and is_far. For all other types, and hits from a visibility buffer, it is searched again.
   template <Surface T>
   [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
                                             int lane) {

@@ -33,8 +33,9 @@ class TileRenderer {
  public:
   using Target = protostar::detail::SampleTarget;
 
-  /// Borrows what the target does, the scene, the integrator and the statistics; copies the camera. Throws
-  /// std::invalid_argument for options that make no sense together or with the target (SampleTarget::grid).
+  /// Keeps references to the scene, the integrator, the statistics, and the image or film of the target;
+  /// copies the camera. Throws std::invalid_argument for options that make no sense together or with the
+  /// target (SampleTarget::grid).
   [[gnu::cold]] TileRenderer(const Target& target, const Camera& camera,
                              const Accelerated<Scene<S...>>& scene, const I& integrator,
                              const RenderOptions& options)
@@ -78,8 +79,8 @@ class TileRenderer {
       shades ? ShadesBySampler<I, View> : protostar::detail::takes_sampler<I, View>;
   static constexpr bool shades_without_point = shades && ShadesWithoutPoint<I> && !takes_sampler;
 
-  /// Order of the candidates: the scene's if packets ask for radiance, and so maybe for all crossings. Single
-  /// rays get these from the whole scene.
+  /// Order of the candidates: the scene's if packets ask for radiance, since they may ask for all crossings,
+  /// which have that order. Single rays take crossings from the whole scene, whatever the candidates.
   static constexpr Order order = shades || !by_packets ? Order::near_to_far : Order::of_scene;
 
   /// Step of the division of a tile: a rectangle with more than `most` candidates is split into parts of
@@ -120,9 +121,9 @@ class TileRenderer {
       });
   }
 
-  /// Fills a tile, or a part of one, by the divisions from `next` on: the first that it does not skip splits
-  /// it, and culls its candidates for each part. A cone takes longer to test than the planes and serves few
-  /// parts, so that small ones have none.
+  /// Fills a tile, or a part of one, by the divisions from `next` on: the first whose `most` its candidates
+  /// exceed splits it, and culls them for each part. The frustum of a small part has no cone, since a cone
+  /// takes longer to test than the planes and serves few parts.
   void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t next, Work& work) const {
     while (next < std::size(divisions) && candidates.size() <= divisions[next].most) ++next;
     if (next == std::size(divisions)) return fill(tile, candidates, work);
@@ -165,8 +166,8 @@ class TileRenderer {
   /// there is no environment.
   [[nodiscard]] bool may_skip_rays() const { return skips_.empty_tiles && !scene_.scene().environment(); }
 
-  /// Returns the light of all samples of a tile whose rays surely miss, without candidates, or else hit the
-  /// only one or cross all (try_fill_uniform).
+  /// Returns the light that all samples of a tile have (try_fill_uniform): that of rays that miss, if there
+  /// are no candidates; of rays that hit the only one; or of rays that cross all.
   [[nodiscard, gnu::noinline]] Color uniform_light(const Tile& tile, const Candidates& candidates,
                                                    const View& view, Work& work) const {
     const CameraPacket rays =
@@ -185,8 +186,9 @@ class TileRenderer {
     return {colors.r[0], colors.g[0], colors.b[0]};
   }
 
-  /// Returns the radiance of pixels that surely see these surfaces, which have no texture, or nothing, as all
-  /// do unless the integrator shades without a point. Any camera rays stand for those that miss.
+  /// Returns the radiance of pixels that surely see these surfaces, which have no texture, or nothing. If the
+  /// integrator needs the point of a hit, all of them see nothing. Rays that miss all have the radiance of
+  /// any_rays.
   [[nodiscard]] Colors shade_seen(const Indices& seen, const CameraPacket& any_rays, const View& view) const {
     const auto background = [&] { return integrator_.background(any_rays, view); };
     if constexpr (shades_without_point)
@@ -344,7 +346,7 @@ class TileRenderer {
   /// Finds what the pixels of a part see first, and sets work.visibility: from the visibility buffer of the
   /// only candidate, if that is rasterized; or as far as float tells. Returns false, without a result, if the
   /// option is off, the camera is no pinhole, each pixel has places of its own, a candidate is everywhere, or
-  /// tests in float of so few do not pay.
+  /// there are too few candidates for tests in float to pay.
   [[nodiscard]] bool find_visibility(const Tile& part, const Candidates& candidates, const View& view, int i,
                                      Work& work) const {
     if (!have_common_start_and_places() || !skips_.sure_in_float) return false;
