@@ -13,7 +13,7 @@ inline protostar::Color dusk(double u, double v) {
     const double far = 2 * (1 - v);
     return Color{far * far * Vec3{0.26, 0.2, 0.09} + Vec3{0.14, 0.11, 0.06}};
   }
-  const double left = 2 * (u - 0.625), up = v - 0.41, far = left * left + up * up;  // from the sun
+  const double left = 2 * (u - 0.625), up = v - 0.41, far = left * left + up * up;  // from the sun, squared
   if (far < 0.0006) return {60, 40, 18};
   const double near = std::max(1 - far / 0.04, 0.0), glow = 0.5 * near * near * near;
   const double height = 1 - 2 * v, low = (1 - height) * (1 - height);

@@ -115,7 +115,7 @@ Color sky(const Vec& direction) {
     const double far = 2 * (1 - v);
     return far * far * Color{0.26, 0.2, 0.09} + Color{0.14, 0.11, 0.06};
   }
-  const double x = 2 * (u - 0.625), y = v - 0.41, far = x * x + y * y;  // from the sun
+  const double x = 2 * (u - 0.625), y = v - 0.41, far = x * x + y * y;  // from the sun, squared
   if (far < 0.0006) return {60, 40, 18};                                // sixty times as bright as white
   const double near = std::max(1 - far / 0.04, 0.0), glow = 0.5 * near * near * near;
   const double height = 1 - 2 * v, low = (1 - height) * (1 - height);

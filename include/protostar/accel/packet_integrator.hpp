@@ -57,8 +57,8 @@ concept ShadingIntegrator = requires(const I& integrator, const Ray& ray, const 
 template <class I>
 concept ShadesWithoutPoint = std::same_as<typename I::ShadesWithoutPoint, I>;
 
-/// Integrator that asks a scene for the crossings of a ray, in t from 0 to infinity, and for its sky, and
-/// reads nothing of the ray. It declares this for its own type only.
+/// Integrator that asks a scene only for the crossings of a ray, in t from 0 to infinity, and for its sky,
+/// and does not read the ray's own numbers. It declares this for its own type only.
 template <class I>
 concept AsksForCrossings = std::same_as<typename I::AsksForCrossings, I>;
 

@@ -11,7 +11,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// product is taken in the order of the surfaces.
 struct TransparencyIntegrator {
   using TakesPackets = TransparencyIntegrator;      ///< takes packets as well as rays (accel/packet.hpp)
-  using AsksForCrossings = TransparencyIntegrator;  ///< reads nothing of the ray
+  using AsksForCrossings = TransparencyIntegrator;  ///< asks for crossings and the sky only
 
   template <class R = Ray>
   [[nodiscard]] typename R::Light radiance(const R& ray, const auto& scene) const {
