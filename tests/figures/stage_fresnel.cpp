@@ -114,11 +114,11 @@ void fresnel_parts(Drawing& drawing) {
     return 0.0;
   });
   drawing.mark(plot.at(brewster, 0), Paint::green);
-  drawing.words({plot.at(brewster, 0).x + 6, plot.at(0, 0.07).y}, text_of(brewster, 1) + "°", Anchor::start,
+  drawing.words({plot.at(brewster, 0).x + 8, plot.at(0, 0.02).y}, text_of(brewster, 1) + "°", Anchor::start,
                 Paint::green);
   drawing.words({plot.at(20, 0).x, 120}, "electric field across the plane: s", Anchor::start, Paint::red);
   drawing.words({plot.at(20, 0).x, 148}, "electric field in the plane: p", Anchor::start, Paint::green);
-  drawing.words({plot.at(20, 0).x, 200}, "half of both (dashed)", Anchor::start, Paint::blue);
+  drawing.words({plot.at(20, 0).x, 200}, "mean of both (dashed)", Anchor::start, Paint::blue);
 }
 
 void schlick_error(Drawing& drawing) {
