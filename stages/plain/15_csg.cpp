@@ -181,9 +181,9 @@ Surface triangle(Point p, Point q, Point r) {
   });
 }
 
-// A solid made of two solids. At each crossing, the ray goes into one of them or out of it, and contains
-// tells from both whether it is inside of the whole. A crossing of the whole is one at which that changes.
-// Crossings at the same t count as one. Otherwise a hole that ends in a face would be closed by a skin.
+// A solid made of two solids. contains(in_a, in_b) says whether a point is in the whole, given whether it is
+// in a and whether it is in b. The ray crosses the whole where that answer changes. Crossings at the same t
+// count as one. Otherwise a hole that ends in a face would be closed by a skin.
 Surface combined(Surface a, Surface b, std::function<bool(bool, bool)> contains) {
   return [=](const Ray& ray) {
     const Crossings of_a = a(ray), of_b = b(ray);
