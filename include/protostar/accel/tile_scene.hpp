@@ -65,7 +65,8 @@ class TileScene : public HitsAmongFew<S...> {
       return accelerated_.intersect(ray, range);
     }
     const auto [index, crossing] = this->closest_of_one_ray(ray, candidates_.indices());
-    return index < 0 ? std::nullopt : std::optional(Intersection(ray, crossing));
+    if (index < 0) return std::nullopt;
+    return std::optional<Intersection>(std::in_place, ray, crossing);
   }
 
   [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
