@@ -127,7 +127,7 @@ struct Loop {
 };
 
 /// Runs the library's own loop, which decides the order exactly as well, and returns an Intersection.
-int intersections_of_scene(const Loop& loop) {
+int closest_hits_of_scene(const Loop& loop) {
   int hits = 0;
   for (const Ray& ray : loop.rays) {
     const auto hit = loop.scene.intersect(ray);
@@ -171,7 +171,7 @@ const std::vector<Kernel> kernels{
     double_kernel<certified>("certified roots"),
     Kernel{"Scene::intersect",
            [](const Ray& ray, const Sphere& sphere) { return sphere.intersect(ray).value_or(infinity); },
-           intersections_of_scene}};
+           closest_hits_of_scene}};
 
 // ---- Kernels: the table
 
