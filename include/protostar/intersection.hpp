@@ -101,10 +101,10 @@ class Intersection {
   /// Parameter of the ray here, a distance in scene units if the ray's direction is a unit vector.
   double t;
 
-  /// Copies the crossing number by number, as it has often just been stored (copied, vec3.hpp).
+  /// Copies numbers one by one, as they have often just been stored (copied, vec3.hpp).
   Intersection(const Ray& ray, const SurfaceCrossing& on)
       : t(on.crossing.t),
-        ray_(ray),
+        ray_(copied(ray)),
         on_{.crossing = {on.crossing.t, on.crossing.root, on.crossing.primitive},
             .surface = on.surface,
             .functions = on.functions,

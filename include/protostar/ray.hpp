@@ -146,6 +146,11 @@ struct Ray {
   friend const Ray& masked(bool, const Ray& ray) { return ray; }
 };
 
+/// Returns a copy of a ray, its origin and direction number by number (copied, vec3.hpp).
+[[nodiscard]] inline Ray copied(const Ray& ray) {
+  return {copied(ray.origin), copied(ray.direction), ray.departure, ray.transform, ray.is_reversed, ray.time};
+}
+
 namespace detail {
 
 /// Line of a ray, copied, so that a loop over surfaces computes once what their equations have in common.
