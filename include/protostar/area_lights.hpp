@@ -22,6 +22,7 @@
 #include "irradiance.hpp"
 #include "light.hpp"
 #include "light_at_hit.hpp"
+#include "numeric/scale.hpp"
 #include "sampling/solid_angle.hpp"
 #include "scene.hpp"
 #include "scene_identity.hpp"
@@ -160,18 +161,26 @@ class AreaLight {
       else if constexpr (std::is_same_v<T, Disk>)
         return std::numbers::pi / 2 * shape.radius * shape.radius;
       else if constexpr (std::is_same_v<T, PreparedParallelogram>)
-        return length(cross(shape.edge_u, shape.edge_v)) / 2;
+        return area_along(shape.edge_u, shape.edge_v) / 2;
       else if constexpr (std::is_same_v<T, Triangle>)
-        return length(cross(shape.b - shape.a, shape.c - shape.a)) / 4;
+        return area_along(shape.b - shape.a, shape.c - shape.a) / 4;
       else {
         double sum = 0;
-        for (const auto& [a, b, c] : shape.light.triangles()) sum += length(cross(b - a, c - a)) / 4;
+        for (const auto& [a, b, c] : shape.light.triangles()) sum += area_along(b - a, c - a) / 4;
         return shape.is_closed ? sum / 2 : sum;
       }
     });
   }
 
  private:
+  /// Returns the area |u × v| between two edges. The length of the product is computed of edges of about 1,
+  /// since the squares of an area's components may leave the range of double.
+  static double area_along(const Vec3& u, const Vec3& v) {
+    const int of_u = exponent_of({u}), of_v = exponent_of({v});
+    const double area = length(cross(scaled(u, -of_u), scaled(v, -of_v)));
+    return scaled(scaled(area, of_u), of_v);
+  }
+
   static SphereView view(const Sphere& s, const Point& from) { return {from, s.center, s.radius}; }
   static DiskView view(const Disk& d, const Point& from) { return {from, d.position, d.normal, d.radius}; }
   static TriangleView view(const Triangle& t, const Point& from) { return {from, t.a, t.b, t.c}; }

@@ -132,6 +132,45 @@ TEST_CASE("lamps without an area bring no light, also if there are more of them 
   }
 }
 
+TEST_CASE("lamps of the smallest and of the largest sizes are chosen as often as any others") {
+  const auto add_to = [](auto& scene, double unit) {
+    const auto add_all = [&](const Point& at, double edge) {
+      const Vec3 u = edge * unit * Vec3{1, 0, 0}, v = edge * unit * Vec3{0.5, 0, 1};
+      const Point corner = unit * at;
+      scene.add(Parallelogram{corner, u, v}, lamp(3));
+      scene.add(Triangle{corner, corner + u, corner + v}, lamp(3));
+      scene.add(Mesh({{corner, corner + u, corner + v}, {{0, 1, 2}}}), lamp(3));
+    };
+    scene.add(Parallelogram{unit * Point{-4, 0, -4}, unit * Vec3{8, 0, 0}, unit * Vec3{0, 0, 8}}, matte);
+    add_all({-1, 2, 0}, 1);
+    add_all({1, 3, 1}, 0.25);
+  };
+  Scene<Parallelogram, Triangle, Mesh> expected;
+  add_to(expected, 1);
+  const AreaLights shares(expected);
+  REQUIRE(shares.lights().size() == 6);
+  const Vec3 down{0.1, -1, 0.2};
+  const auto shade = [&](const auto& scene, double unit, std::uint32_t sample) {
+    DirectIntegrator direct(scene);
+    direct.most_rays = 2;
+    const auto hit = scene.intersect(Ray{.origin = {0, unit, 0}, .direction = down}, Interval{});
+    REQUIRE(hit);
+    return direct.shade(*hit, scene, SobolSampler({.sample = sample, .samples = 8}));
+  };
+  for (const int exponent : {-397, -300, 300, 397}) {
+    CAPTURE(exponent);
+    const double unit = std::ldexp(1, exponent);
+    Scene<Parallelogram, Triangle, Mesh> scene;
+    add_to(scene, unit);
+    const AreaLights lights(scene);
+    for (std::size_t i = 0; i < lights.lights().size(); ++i) {
+      CHECK(lights.lights()[i].visible_area() == unit * unit * shares.lights()[i].visible_area());
+      CHECK(lights.by_power().probability(i) == shares.by_power().probability(i));
+    }
+    for (std::uint32_t i = 0; i < 8; ++i) CHECK(shade(scene, unit, i) == shade(expected, 1, i));
+  }
+}
+
 TEST_CASE("direct light of several lamps adds up, with one ray for each or as many as are allowed") {
   Scene<Plane, Sphere, Parallelogram> scene;
   scene.add(Plane{{0, 1, 0}, 0}, matte);
