@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include "support/catch.hpp"
@@ -9,8 +10,6 @@
 #include "support/wrong_cases.hpp"
 
 using namespace protostar;
-
-namespace {}  // namespace
 
 TEST_CASE("an affine map is given by the images of the axes and of the coordinate origin") {
   const Affine map{{0, 2, 0}, {-3, 0, 0}, {1, 0, 1}, {10, 20, 30}};
@@ -68,6 +67,53 @@ TEST_CASE("the inverse of a map of whole numbers is its cofactors over the deter
     }
   }
   CHECK(singular > 300);
+  CHECK(wrong == 0);
+}
+
+TEST_CASE(
+    "a line mapped in doubles is off the exact one by no more than its errors, whatever the magnitudes") {
+  Random random(65);
+  WrongCases wrong(random);
+  const auto vector = [&](double least, double most) {
+    const auto number = [&] { return random.real(-1, 1) * std::exp2(random.real(least, most)); };
+    return Vec3{number(), number(), number()};
+  };
+  const auto is_within = [](double found, double error, const ExactNumber& expected,
+                            const ExactNumber& weight) {
+    const ExactNumber off = ExactNumber(found) * weight - expected, most = ExactNumber(error) * weight;
+    return (most - off).sign() >= 0 && (most + off).sign() >= 0;
+  };
+  int mapped = 0, tiny = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const double sizes[] = {3, 300, 390};
+    const double size = sizes[i % 3];
+    Affine map{vector(-size, size), vector(-size, size), vector(-size, size), vector(-390, 390)};
+    if (i % 2 == 0) map.translation = Vec3{0};
+    const AffineInverse inverse(map);
+    if (!inverse.exists()) continue;
+    const bool is_tiny = i % 4 < 2;  // so that the rounding of the numbers underflows
+    const double least = is_tiny ? -1073 : -390, most = is_tiny ? -1000 : 390;
+    RoundedLine from{.origin = vector(least, most), .direction = vector(least, most)};
+    if (i % 8 < 4) from.origin_error = 0x1p-40 * abs(from.origin);
+    if (i % 16 < 8) from.direction_error = 0x1p-40 * abs(from.direction);
+    const ExactNumber share(random.real(-1, 1));
+    const RoundedLine line = inverse.line(from);
+    if (!is_finite(line.origin) || !is_finite(line.direction)) continue;
+    const ExactLine expected =
+        inverse.line(ExactLine{exact_vector(from.origin) + share * exact_vector(from.origin_error),
+                               exact_vector(from.direction) + share * exact_vector(from.direction_error)});
+    for (int k = 0; k < 3; ++k) {
+      const auto axis = static_cast<std::size_t>(k);
+      wrong.add(!is_within(line.origin[k], line.origin_error[k], expected.origin[axis], expected.weight), map,
+                from.origin);
+      wrong.add(
+          !is_within(line.direction[k], line.direction_error[k], expected.direction[axis], expected.weight),
+          map, from.direction);
+    }
+    ++mapped, tiny += is_tiny;
+  }
+  CHECK(tiny > 5000);
+  CHECK(mapped > 15000);
   CHECK(wrong == 0);
 }
 

@@ -102,12 +102,13 @@ class AffineInverse {
   /// With u = 2^-53, an entry of the inverse has an error of u of itself, or of u · 2^-1022 if it is smaller
   /// than 2^-1022. The difference from the translation and each product add u each, and the sum 2u: together
   /// 5u of the magnitudes of the terms of the origin, and 4u of those of the direction. Errors of the given
-  /// line are mapped as well. 2^-1065 exceeds all underflow, and the sums below are rounded by less than
-  /// 2^-40.
+  /// line are mapped as well. 5u and 4u of a number may underflow, by less than 2^-1022, before an entry
+  /// multiplies them; 2^-1065 exceeds all other underflow, and the sums below are rounded by less than 2^-40.
   [[nodiscard]] RoundedLine line(const RoundedLine& from) const {
     const Vec3 away = from.origin - map_.translation;
-    const Vec3 origin_errors = 5 * 0x1p-53 * abs(away) + from.origin_error,
-               direction_errors = 4 * 0x1p-53 * abs(from.direction) + from.direction_error;
+    const Vec3 lost(0x1p-1022),
+        origin_errors = 5 * 0x1p-53 * abs(away) + lost + from.origin_error,
+        direction_errors = 4 * 0x1p-53 * abs(from.direction) + lost + from.direction_error;
     RoundedLine line{.origin = vector(away), .direction = vector(from.direction)};
     for (int i = 0; i < 3; ++i) {
       const Vec3 sizes = abs(rows_[i]) + Vec3(0x1p-1022);
