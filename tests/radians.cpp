@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <numbers>
 
 #include "support/cases.hpp"
@@ -75,6 +76,19 @@ TEST_CASE("the polar angle has an error below 4 units of roundoff") {
   }
   CHECK(most > 0.5);
   CHECK(most < 4);
+}
+
+TEST_CASE("the polar angle of a number that is not finite is NaN, alone and of several at once") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (const double bad : {nan, infinity})
+    for (const double other : {0.0, 1.0, -1.0, nan, infinity}) {
+      CAPTURE(bad, other);
+      CHECK(std::isnan(polar_angle(bad, other)));
+      CHECK(std::isnan(polar_angle(other, bad)));
+      CHECK(std::isnan(polar_angle_of_each(bad, other)[0]));
+      if (!(other < 0)) CHECK(std::isnan(polar_angle_of_each(other, bad)[0]));
+    }
+  CHECK(polar_angle_of_each(0, 0)[0] == 0);
 }
 
 TEST_CASE("sines and polar angles of several numbers at once have the bits of those one by one") {

@@ -88,7 +88,7 @@ template <class T>
   const bool is_steep = low > high;
   if (is_steep) std::swap(low, high);
   const double ratio = low / high;
-  if (!(ratio <= 1)) return high == 0 ? 0 : ratio;
+  if (!(ratio <= 1)) return high == 0 ? low : ratio;  // 0 or NaN
   const double eighths = detail::nearest_whole(8 * ratio);
   double angle = detail::arc_tangent_of_eighths(static_cast<int>(eighths)).hi +
                  detail::arc_tangent_beyond(eighths / 8, low, high);

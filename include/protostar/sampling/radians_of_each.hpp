@@ -73,7 +73,7 @@ struct SinesCosines {
   Doubles angle = at_eighths + series;
   angle = select(is_steep, (Doubles(pi.hi / 2) - angle) + Doubles(pi.lo / 2), angle);
   angle = select(x < Doubles(0.0), (Doubles(pi.hi) - angle) + Doubles(pi.lo), angle);
-  return select(is_number, angle, select(high == Doubles(0.0), Doubles(0.0), ratio));
+  return select(is_number, angle, select(high == Doubles(0.0), low, ratio));
 }
 
 /// Returns sine_of_each of the first `count` angles.
