@@ -314,6 +314,17 @@ TEST_CASE("the equation of a plane is rounded to nearest, in double-double as in
     CHECK(detail::nearest_quotient(hair - middle, -one) == q);
   }
   CHECK(detail::nearest_quotient(ExactNumber(), one) == 0);
+  // At the largest double, above which 2^1024 would be next.
+  const double most = std::numeric_limits<double>::max();
+  const ExactNumber largest(most), tie = largest + ExactNumber(0x1p970);
+  for (const ExactNumber& quotient : {largest, tie - hair, largest - ExactNumber(0x1p969)}) {
+    CHECK(detail::nearest_quotient(quotient, one) == most);
+    CHECK(detail::nearest_quotient(quotient, -one) == -most);
+  }
+  for (const ExactNumber& quotient : {tie, tie + hair, largest * largest}) {
+    CHECK(detail::nearest_quotient(quotient, one) == infinity);
+    CHECK(detail::nearest_quotient(-quotient, one) == -infinity);
+  }
   WrongCases off(random);
   for (int i = 0; i < 3000; ++i) {
     const double leading = random.real(1, 2), more = random.real(-1, 1), last = random.real(-1, 1);

@@ -59,7 +59,7 @@ using PlaneEquation = std::array<double, 4>;
 
 namespace detail {
 
-/// Returns N/M, rounded like a quotient of doubles: to nearest, ties to even.
+/// Returns N/M for M ≠ 0, rounded like a quotient of doubles: to nearest, ties to even.
 [[nodiscard, gnu::cold, gnu::noinline]] inline double nearest_quotient(const ExactNumber& N,
                                                                        const ExactNumber& M) {
   if (N.sign() == 0) return 0;
@@ -67,12 +67,14 @@ namespace detail {
   // nothing beyond them.
   const ExactNumber::Approximation n = N.approximation(), m = M.approximation();
   const double q = std::ldexp(static_cast<double>(n.value / m.value), n.exponent - m.exponent);
-  if (!std::isfinite(q)) return q;
+  const auto exact = [](double x) {  // infinity stands for ±2^1024, which comes after the largest double
+    return std::isinf(x) ? ExactNumber(std::copysign(2, x)) * ExactNumber(0x1p1023) : ExactNumber(x);
+  };
   const bool is_even = (detail::bit_cast<std::uint64_t>(q) & 1) == 0;
   for (const int side : {-1, 1}) {
     const double neighbor = std::nextafter(q, side * infinity);
     // N/M relative to the middle: on the neighbor's side (1), in it (0), or on the side of q (-1).
-    const ExactNumber middle = (ExactNumber(q) + ExactNumber(neighbor)) * M;
+    const ExactNumber middle = (exact(q) + exact(neighbor)) * M;
     const int beyond = side * M.sign() * (ExactNumber(2) * N - middle).sign();
     if (beyond > 0 || (beyond == 0 && !is_even)) return neighbor;
   }
