@@ -1,3 +1,4 @@
+#include <cmath>
 #include <limits>
 #include <protostar/tone.hpp>
 #include <stdexcept>
@@ -53,6 +54,22 @@ TEST_CASE("infinite light is scaled like the largest float") {
     image(0, 0) = {infinite, 0.5f * most, 0};
     apply(tone, image);
     CHECK(image(0, 0) == Color{1, 0.5f, 0});
+  }
+}
+
+TEST_CASE("a channel that is NaN stays one, and hides no other channel") {
+  const float nan = std::numeric_limits<float>::quiet_NaN();
+  for (const Tone tone : {Tone::scale_pixel, Tone::scale_image}) {
+    Image image = row_of({{nan, 4, 2}, {1, nan, 4}, {2, 4, nan}, {nan, nan, nan}});
+    apply(tone, image);
+    CHECK(image(0, 0).g == 1);
+    CHECK(image(0, 0).b == 0.5f);
+    CHECK(image(1, 0).r == 0.25f);
+    CHECK(image(1, 0).b == 1);
+    CHECK(image(2, 0).r == 0.5f);
+    CHECK(image(2, 0).g == 1);
+    CHECK(std::isnan(image(2, 0).b));
+    CHECK(std::isnan(image(3, 0).r));
   }
 }
 

@@ -39,7 +39,7 @@ inline void apply(Tone tone, Image& image) {
   for (int y = 0; y < image.height(); ++y)
     for (int x = 0; x < image.width(); ++x) {
       const Color light = clamped(image(x, y));  // infinite light as the largest float
-      const float channel = std::max({light.r, light.g, light.b});
+      const float channel = std::max({0.0f, light.r, light.g, light.b});  // NaN counts as 0
       largest = std::max(largest, channel);
       if (tone == Tone::scale_pixel && channel > 1) image(x, y) = light / channel;
     }
