@@ -36,7 +36,7 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
 // its machines cannot run. This holds for the library's functions; GLM's and the standard library's have no
 // such names. The name is that of the widest vectors, then _fma, then _bmi or _bmi2: -march=haswell gives
 // avx2_fma_bmi2, -mavx2 alone avx2. If a program defines PROTOSTAR_SCALAR, for which
-// accel/vector_registers.hpp leaves vectors aside, the name ends in _scalar.
+// simd/vector_registers.hpp leaves vectors aside, the name ends in _scalar.
 #if defined(__AVX512VL__)
 #define PROTOSTAR_ABI_WIDTH avx512vl
 #elif defined(__AVX512F__)
