@@ -34,9 +34,9 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
 // linker reads. Two translation units that were compiled for different instruction sets then hold different
 // functions, and a program that links both keeps both instead of silently merging them into one that half of
 // its machines cannot run. This holds for the library's functions; GLM's and the standard library's have no
-// such names. The name is that of the widest vectors, then _fma, then _bmi or _bmi2: -march=haswell gives
-// avx2_fma_bmi2, -mavx2 alone avx2. If a program defines PROTOSTAR_SCALAR, for which
-// simd/vector_registers.hpp leaves vectors aside, the name ends in _scalar.
+// such names. The name is that of the widest vectors, then _fma, _bmi or _bmi2, and _gfni, which
+// simd/words.hpp uses: -march=haswell gives avx2_fma_bmi2, -mavx2 alone avx2. If a program defines
+// PROTOSTAR_SCALAR, for which simd/vector_registers.hpp leaves vectors aside, the name ends in _scalar.
 #if defined(__AVX512VL__)
 #define PROTOSTAR_ABI_WIDTH avx512vl
 #elif defined(__AVX512F__)
@@ -73,13 +73,20 @@ static_assert(std::numeric_limits<double>::is_iec559 && std::numeric_limits<doub
 #define PROTOSTAR_ABI_BITS
 #endif
 
+#if defined(__GFNI__)
+#define PROTOSTAR_ABI_BYTES _gfni
+#else
+#define PROTOSTAR_ABI_BYTES
+#endif
+
 #if defined(PROTOSTAR_SCALAR)
 #define PROTOSTAR_ABI_LANES _scalar
 #else
 #define PROTOSTAR_ABI_LANES
 #endif
 
-#define PROTOSTAR_ABI_JOIN(a, b, c, d) a##b##c##d
-#define PROTOSTAR_ABI_NAME(a, b, c, d) PROTOSTAR_ABI_JOIN(a, b, c, d)
-#define PROTOSTAR_ABI \
-  PROTOSTAR_ABI_NAME(PROTOSTAR_ABI_WIDTH, PROTOSTAR_ABI_FMA, PROTOSTAR_ABI_BITS, PROTOSTAR_ABI_LANES)
+#define PROTOSTAR_ABI_JOIN(a, b, c, d, e) a##b##c##d##e
+#define PROTOSTAR_ABI_NAME(a, b, c, d, e) PROTOSTAR_ABI_JOIN(a, b, c, d, e)
+#define PROTOSTAR_ABI                                                                                 \
+  PROTOSTAR_ABI_NAME(PROTOSTAR_ABI_WIDTH, PROTOSTAR_ABI_FMA, PROTOSTAR_ABI_BITS, PROTOSTAR_ABI_BYTES, \
+                     PROTOSTAR_ABI_LANES)
