@@ -325,12 +325,6 @@ template <class T, int N>
   return folded(a, [](const auto& b, const auto& c) { return min(b, c); });
 }
 
-/// Returns the bits that are set in any lane.
-template <std::integral T, int N>
-[[nodiscard]] T bits_of_any(const Lanes<T, N>& a) {
-  return folded(a, [](const auto& b, const auto& c) { return b | c; });
-}
-
 namespace detail {
 
 /// Converts each number to a U.
