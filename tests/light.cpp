@@ -78,6 +78,14 @@ TEST_CASE("the irradiance of a constant light depends on the cosine alone") {
   }
 }
 
+TEST_CASE("a constant light gives no more than its irradiance to a point as near as doubles tell") {
+  for (const double distance : {0x1p-500, 0x1p-537, 0x1p-600, 0x1p-1074}) {
+    CAPTURE(distance);
+    CHECK(near(lit(ConstantLight{{0, distance, 0}, Color{3}}), 3));
+    CHECK(lit(ConstantLight{{distance, distance, 0}, Color{3}}) <= 3);
+  }
+}
+
 TEST_CASE("a directional light shines from its direction, of any length, at every point") {
   for (const double length : {1.0, 5.0, 1e-200, 1e200}) {
     CAPTURE(length);

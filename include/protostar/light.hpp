@@ -138,8 +138,10 @@ class Light {
       : type_(type),
         position_(position),
         color_(color),
-        // For a dark color the factor is up to 2^127, which still is a float.
-        largest_factor_(most_irradiance / std::max({color.r, color.g, color.b, 0x1p-20f})),
+        // Of an irradiance the factor is a cosine, also where the square of the distance underflows. For a
+        // dark power it is up to 2^127, which still is a float.
+        largest_factor_(std::min(most_irradiance / std::max({color.r, color.g, color.b, 0x1p-20f}),
+                                 falloff == Falloff::none ? 1.0f : 0x1p127f)),
         falloff_(falloff) {
     check(is_coordinate(position), "position must have numbers ", coordinate_rule);
     check(is_light(color), quantity, " must be finite and not negative");
