@@ -1,4 +1,5 @@
 // A torus: its roots against those in 113 bits, rays that leave it, and the same torus as a field.
+#include <algorithm>
 #include <cmath>
 #include <protostar/accel/accelerate.hpp>
 #include <protostar/accel/render_tiles.hpp>
@@ -318,6 +319,44 @@ TEST_CASE("tori look alike ray by ray, by tiles and through the tree, and as fie
   CHECK(count_pixels(a, [&](int x, int y) { return a(x, y) != Color{0}; }) > 100);
   CHECK(count_pixels(a, [&](int x, int y) { return (a(x, y) == Color{0}) != (b(x, y) == Color{0}); }) == 0);
   CHECK(different_pixels(a, b) < 3);
+}
+
+TEST_CASE(
+    "a torus so far away that its center's digits are larger than its size is hit through a tree, too") {
+  Random random(9);
+  WrongCases wrong(random);
+  int hits = 0;
+  for (const double far : {1e12, 1e15, 1e16}) {
+    for (int k = 0; k < 40; ++k) {
+      const Torus torus{{far * random.real(0.5, 1.5), k % 2 == 0 ? 0 : far * random.real(-1, 1), 0},
+                        random.direction(),
+                        1,
+                        0.25};
+      const Bounds box = torus.bounds();
+      const Vec3 n = normalize(torus.axis);
+      for (int axis = 0; axis < 3; ++axis) {
+        const double reach = std::sqrt(std::max(0.0, 1 - n[axis] * n[axis])) + 0.25;
+        wrong.add((ExactNumber(box.max[axis]) - torus.center[axis] - reach).sign() < 0 ||
+                      (ExactNumber(box.min[axis]) - torus.center[axis] + reach).sign() > 0,
+                  torus.center, torus.axis);
+      }
+      Scene<Torus> scene;
+      scene.add(torus, Color{1});
+      scene.add(Torus{torus.center + Vec3{0, 0, 5}}, Color{1});
+      const auto fast = accelerate(scene, {.threads = 1});
+      for (int i = 0; i < 200; ++i) {
+        const Vec3 direction = random.direction();
+        const Point aim = torus.center + Vec3{0, random.real(-1.5, 1.5), random.real(-1.5, 1.5)};
+        const Ray ray{aim - std::max(10.0, far * 0x1p-50) * direction, direction};
+        const auto expected = scene.intersect(ray, Interval{}), found = fast.intersect(ray, Interval{});
+        wrong.add(expected ? !found || found->t != expected->t : found.has_value(), torus.center, torus.axis,
+                  ray);
+        hits += expected.has_value();
+      }
+    }
+  }
+  CHECK(hits > 4000);
+  CHECK(wrong == 0);
 }
 
 TEST_CASE("a torus whose numbers make none is refused, with the reason") {

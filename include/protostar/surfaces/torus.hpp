@@ -101,13 +101,14 @@ struct Torus {
   [[nodiscard]] bool ends_inside(const Ray&) const { return false; }
 
   /// Returns the box that reaches from the center by R √(1 − n_i²) + r on each axis i, for the unit vector n
-  /// along the torus' axis, and a thousandth of R + r farther, in which rays that leave it cross it.
+  /// along the torus' axis, and a thousandth of R + r farther, in which rays that leave it cross it; rounded
+  /// outward, since that may be less than the rounding of a center far away.
   [[nodiscard]] Bounds bounds() const {
     const Vec3 n = unit_axis();
     const double more = tube + 0x1p-10 * (radius + tube);
     const auto reach = [&](double j, double k) { return radius * std::sqrt(j * j + k * k) + more; };
     const Vec3 half{reach(n.y, n.z), reach(n.z, n.x), reach(n.x, n.y)};
-    return {center - half, center + half};
+    return outward({center - half, center + half});
   }
 
   /// Throws std::invalid_argument if center or axis are not made of coordinates, the axis is 0, a radius is
