@@ -64,9 +64,8 @@ template <class R, std::size_t n>
 ///
 /// k is the integer next to x · 2/π, |k| < 2^20. Then r = x − k π/2 is at most π/4 in magnitude, and 2^-30
 /// more at most by the rounding of k. The first difference below is exact: for k ≠ 0 its terms are multiples
-/// of 2^-53, and it is below 1. The
-/// second is rounded by 2^-54 at most, and so is the third, of which the product and the error of π/2 add
-/// 2^-100: r is off by 1.01u.
+/// of 2^-53, and it is below 1. The second is rounded by 2^-54 at most, and so is the third, of which the
+/// product and the error of π/2 add 2^-100: r is off by 1.01u.
 ///
 /// Series up to r^17/17! and r^16/16! lack less than 2^-62 and 2^-58. The sine is r + r p, |r p| ≤ 0.09, the
 /// cosine 1 + s q, |s q| ≤ 0.31; p and q have relative errors below 3u, of their first coefficients and the
@@ -108,11 +107,10 @@ template <std::size_t n>
 }
 
 /// Returns sin(x + quarter · π/2) in double-double, for quarter 0 or 1 and |x| ≤ 2^20, with an absolute error
-/// below 2^-98, by the way of Sines: r has four roundings of 3u²
-/// of numbers below 1, and π/2 an error of 2^-155 times k < 2^20. Series up to θ^27/27! and θ^26/26!
-/// lack less than 2^-104. Each step of them has errors of 20u² of a term below 0.31, the product with the
-/// square and the quotient, and 3u² of the difference: below 15u² in the end, and the sine's product with r
-/// adds 5u².
+/// below 2^-98, by the way of Sines: r has four roundings of 3u² of numbers below 1, and π/2 an error of
+/// 2^-155 times k < 2^20. Series up to θ^27/27! and θ^26/26! lack less than 2^-104. Each step of them has
+/// errors of 20u² of a term below 0.31, the product with the square and the quotient, and 3u² of the
+/// difference: below 15u² in the end, and the sine's product with r adds 5u².
 [[nodiscard, gnu::noinline]] inline DoubleDouble sine_of(DoubleDouble x, double quarter) {
   const double k = rounding::nearest_integer(x.hi * 0x1.45f306dc9c883p-1);
   const DoubleDouble r = reduced(x, k, precise_half_pi), s = r * r;

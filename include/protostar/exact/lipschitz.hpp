@@ -155,9 +155,9 @@ class Variation {
   }
 
   /// Returns the smooth minimum m, for k > 0; nothing is known for other k, or if 1/4k is beyond the range of
-  /// double. It changes by at most as much as the larger of the changes of a and b:
-  /// its derivatives by them are weights with the sum 1. It is concave in a and b, and its second derivative
-  /// by a − b is −1/2k or 0, which counts (L_a + L_b)² times at most.
+  /// double. It changes by at most as much as the larger of the changes of a and b: its derivatives by them
+  /// are weights with the sum 1. It is concave in a and b, and its second derivative by a − b is −1/2k or 0,
+  /// which counts (L_a + L_b)² times at most.
   ///
   /// Roundings of the plain value: h = max(k − |a − b|, 0) ≤ k has u (|a| + |b|) + u k, which count h/2k ≤ ½
   /// in h²/4k ≤ k/4; h·h, ¼/k and their product have 3u of it, and the difference u (|m| + k/4).

@@ -52,10 +52,6 @@ namespace detail {
   return wins > 0 ? u : wins < 0 ? p : 0;
 }
 
-}  // namespace detail
-
-namespace detail {
-
 /// Returns the sign of r + shift − s, whatever the errors of both are.
 [[nodiscard, gnu::cold, gnu::noinline]] inline int sign_of_difference(const ExactRoot& r,
                                                                       const ExactNumber& shift,
