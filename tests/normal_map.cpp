@@ -30,6 +30,7 @@
 #include "support/drawn_alike.hpp"
 #include "support/errors.hpp"
 #include "support/pictures.hpp"
+#include "support/random.hpp"
 #include "support/ray_by_ray.hpp"
 #include "support/wrong_cases.hpp"
 
@@ -83,6 +84,10 @@ std::vector<Target> targets() {
           {"disk", Disk{.position = {0, 0, 4}, .normal = {1, 2, -3}}, ahead},
           {"box", Box{.min = {-1, -1, 4}, .max = {1, 1, 5}}, ahead},
           {"quadric", ellipsoid, down_z},
+          {"hyperboloid", Quadric{{.squares = {1, -2, 3}, .products = {0.1, 0.2, -0.3}}}, down_z},
+          {"paraboloid",
+           Quadric{{.squares = {1, 2, 0}, .products = {0, 0, -0.3}, .linear = {0.1, 0.2, 1}, .constant = 0}},
+           down_z},
           {"mesh", Mesh(square_ahead), ahead},
           {"mesh without texture coordinates", Mesh(square_with({})), ahead},
           {"mesh with slanted coordinates", Mesh(slanted), ahead},
@@ -216,6 +221,55 @@ TEST_CASE("a normal map tilts nothing where the directions of u and v are not kn
   CHECK(mapped_normal_of(Sphere{}, down, wave_map) == Vec3{0, 1, 0});
   CHECK(mapped_normal_of(Mesh(square_with(std::vector<Uv>(4, Uv{1, 2}))), Ray{.origin = {0.1, 0.3, 0}},
                          constant({3, 0, 4})) == Vec3{0, 0, -1});
+}
+
+TEST_CASE("a normal map tilts nothing on cones and cylinders, where u and v are no coordinates") {
+  Random random(5);
+  int hits = 0;
+  // The squares along three axes at right angles, and the constant, of a form around a center.
+  for (const auto& [squares, constant] : {std::pair{Vec3{1, 1, -1}, 0.0}, std::pair{Vec3{3, 0.5, -1}, 0.0},
+                                          std::pair{Vec3{1, 4, 0}, -1.0}, std::pair{Vec3{1, -2, 0}, 1.0}})
+    for (int i = 0; i < 100; ++i) {
+      const Affine turned = Affine{}.rotated_about(random.direction(), random.real(0, 360));
+      const Point center = random.point(100);
+      QuadricForm form{.squares = Vec3{0}, .constant = constant};
+      for (int axis = 0; axis < 3; ++axis) {
+        const Vec3 a =
+            turned.vector(Vec3{axis == 0 ? 1.0 : 0.0, axis == 1 ? 1.0 : 0.0, axis == 2 ? 1.0 : 0.0});
+        form.squares += squares[axis] * a * a;
+        form.products += squares[axis] * Vec3{a.y * a.z, a.z * a.x, a.x * a.y};
+      }
+      form.linear = -form.times(center);
+      form.constant -= dot(form.linear, center);
+      CHECK(curvature_sign(form) == 0);
+      const auto scene = scene_of(Quadric{form}, {.normal_map = wave_map});
+      const Point eye = center + 5.0 * random.direction();
+      if (const auto hit = scene.intersect({.origin = eye, .direction = random.direction()})) {
+        ++hits;
+        CHECK(hit->normal() == hit->surface_normal());
+      }
+    }
+  CHECK(hits > 100);
+}
+
+TEST_CASE("the sign of a quadric's curvature is that of its shape, at any size and place") {
+  for (const double size : {0x1p-100, 1.0, 0x1p100})
+    for (const double factor : {-0x1p-90, 1.0, -0x1p100})
+      for (const Vec3& center : {Vec3{0}, size * Vec3{3, -2, 5}}) {
+        const auto sign_of = [&](const Vec3& squares, const Vec3& linear, double constant) {
+          QuadricForm form{.squares = factor * squares,
+                           .linear = factor * size * linear - factor * squares * center,
+                           .constant = factor * size * size * constant};
+          form.constant += factor * dot(squares * center, center) - 2 * factor * size * dot(linear, center);
+          return curvature_sign(form);
+        };
+        CHECK(sign_of({1, 2, 3}, {}, -1) == 1);           // an ellipsoid
+        CHECK(sign_of({1, 2, -3}, {}, -1) == -1);         // a hyperboloid of one sheet
+        CHECK(sign_of({1, 2, -3}, {}, 1) == 1);           // a hyperboloid of two sheets
+        CHECK(sign_of({1, 2, 0}, {0, 0, -1}, 0) == 1);    // a paraboloid
+        CHECK(sign_of({1, -2, 0}, {0, 0, -1}, 0) == -1);  // a saddle
+        CHECK(sign_of({1, 0, 0}, {0, 0, -1}, 0) == 0);    // a parabolic cylinder
+      }
 }
 
 TEST_CASE("tangents of numbers near the limits of coordinates still give unit normals") {

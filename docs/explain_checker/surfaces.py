@@ -1,8 +1,9 @@
 """Spheres and quadrics, and the departures of the rays that leave surfaces."""
 import math
 from fractions import Fraction
+from itertools import permutations
 
-from .exact import add, cross, dot, length, minus, quadratic, root, sizes, times, unit
+from .exact import BLACK, add, cross, dot, length, minus, quadratic, root, sizes, times, unit
 from .values import TINY, U, Wrong
 
 TYPES = {}
@@ -135,6 +136,20 @@ class Quadric:
         A, b, c = self.equation(line)
         return A < 0 if A else b > 0 if b else c < 0 and not self.is_left(line)
 
+    def determinant(self):
+        """Returns the determinant of the symmetric 4x4 matrix, and the sum of its terms without their signs."""
+        (a, b, c), (d, e, f) = self.squares, self.products
+        rows = [[a, f, e], [f, b, d], [e, d, c]]
+        rows = [row + [x] for row, x in zip(rows, self.linear)] + [[*self.linear, self.constant]]
+        det = size = Fraction(0)
+        for order in permutations(range(4)):
+            term = Fraction(1)
+            for row, column in zip(rows, order):
+                term *= row[column]
+            odd = sum(order[i] > order[j] for i in range(4) for j in range(i, 4)) % 2
+            det, size = det + (-term if odd else term), size + abs(term)
+        return det, size
+
     def normal(self, point, part):
         return unit(self.gradient(point))
 
@@ -157,16 +172,20 @@ class Quadric:
         return direction_uv_errors(*self.direction(point, moved))
 
     def tangents(self, point, part, moved):
-        """Returns directions in which the normal turns to the east alone, and down alone."""
+        """Returns directions in which the normal turns to the east alone, and down alone; any if rounding makes the
+        quadric a cone or a cylinder, where the normal turns in one way only."""
         normal, error = self.direction(point, moved)
+        det, size = self.determinant()
+        if abs(det) <= 64 * U * size:
+            return [BLACK, BLACK], Fraction(1)
         east, down = direction_tangents(normal)
         turned = lambda v: self.apply(self.squares, self.products, v)
         terms = sum(sizes(self.squares)) + 2 * sum(sizes(self.products))
-        found, least = [], Fraction(1)
-        for wanted, unwanted in ((east, down), (down, east)):
-            along = cross(normal, turned(unwanted))
-            found.append(times(-1, along) if dot(turned(along), wanted) < 0 else along)
-            least = min(least, length(along) / (terms or 1))
+        # How far the normal turns along one of these ways, and against the other, is the curvature, whose sign is that
+        # of -det at all points.
+        curvature = -1 if det > 0 else 1
+        found = [times(curvature, cross(normal, turned(down))), times(-curvature, cross(normal, turned(east)))]
+        least = min(Fraction(1), *(length(along) / (terms or 1) for along in found))
         return found, 64 * error / (least or TINY)
 
 

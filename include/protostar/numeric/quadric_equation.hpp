@@ -11,12 +11,14 @@
 // rounding. docs/derivations.md derives the bounds, in units of u = 2^-53.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "../bounds.hpp"
 #include "../vec3.hpp"
 #include "equation.hpp"
 #include "rounded_equation.hpp"
+#include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -49,6 +51,33 @@ struct QuadricForm {
 [[nodiscard]] inline bool is_finite(const QuadricForm& form) {
   return is_finite(form.squares) && is_finite(form.products) && is_finite(form.linear) &&
          std::isfinite(form.constant);
+}
+
+/// Returns the sign of the Gaussian curvature of a quadric, which is that of −det of the 4×4 matrix, all over
+/// the quadric: 1 for an ellipsoid, −1 for a saddle. Returns 0 for cones and cylinders, also for those whose
+/// numbers are rounded.
+[[nodiscard, gnu::noinline, gnu::cold]] inline int curvature_sign(const QuadricForm& form) {
+  // det = k det M − l·adj(M) l. M, l and k are each scaled to about 1, so that no product overflows, and then
+  // the smaller of the two terms, by 2^-|shift|.
+  const int of_M = exponent_of({form.squares, form.products}), of_l = exponent_of({form.linear}),
+            of_k = exponent_of({Vec3{form.constant, 0, 0}}), shift = of_M + of_k - 2 * of_l;
+  const QuadricForm to_1{scaled(form.squares, -of_M), scaled(form.products, -of_M),
+                         scaled(form.linear, -of_l), scaled(form.constant, -of_k)};
+  const auto sum_of_terms = [&](const QuadricForm& f, double sign) {
+    const Vec3 &a = f.squares, &b = f.products, &l = f.linear;
+    const Vec3 diagonal{a.y * a.z + sign * b.x * b.x, a.z * a.x + sign * b.y * b.y,
+                        a.x * a.y + sign * b.z * b.z};
+    const Vec3 beside{b.y * b.z + sign * a.x * b.x, b.z * b.x + sign * a.y * b.y,
+                      b.x * b.y + sign * a.z * b.z};
+    const double det_M = a.x * diagonal.x + b.z * beside.z + b.y * beside.y;
+    return scaled(f.constant * det_M, std::min(shift, 0)) +
+           sign * scaled(dot(l, symmetric_times(diagonal, beside, l)), std::min(-shift, 0));
+  };
+  const double det = sum_of_terms(to_1, -1), size = sum_of_terms(abs(to_1), 1);
+  // The terms pass at most 9 roundings. Each has four numbers of the matrix, which may be off by 4u, as after
+  // a rotation: 25u in all, and less than 2^-1060 for the underflow of some 30 products.
+  if (std::abs(det) <= 0x1p-48 * size + 0x1p-1060) return 0;
+  return det < 0 ? 1 : -1;
 }
 
 /// Equation in double. A, b and c have errors of at most 6u, 7u and 9u of their sizes, their values with all

@@ -38,15 +38,17 @@ struct Quadric {
 
   /// Returns the directions in which the longitude and the latitude of the normal grow. Along w, the gradient
   /// g changes by Q w. If it is to turn to the east, w is at right angles to g and to Q times the way down,
-  /// so that Q w has no part along that; and likewise for the way down.
+  /// so that Q w has no part along that; and likewise for the way down. With e and d for a unit vector to the
+  /// east and down, g × e = −d and g × d = e, so that w = g × Q d turns g by (e·Q e) (d·Q d) − (e·Q d)² to
+  /// the east, and g × Q e by as much upwards: their signs are that of the curvature. Without a curvature, as
+  /// on a cone, both ways are the same line, along which the normal does not turn: none is returned.
   [[nodiscard]] Tangents tangents_at(const Point& point) const {
+    const double sign = curvature_sign(form);
+    if (sign == 0) return {};
     const Vec3 g = normal_at(point);
     const auto [east, down] = direction_tangents(g);
-    const auto along = [&](const Vec3& wanted, const Vec3& unwanted) {
-      const Vec3 w = cross(g, of_moderate_size(form.times(unwanted)));
-      return dot(form.times(w), wanted) < 0 ? -w : w;
-    };
-    return {along(east, down), along(down, east)};
+    const auto way = [&](const Vec3& unwanted) { return cross(g, of_moderate_size(form.times(unwanted))); };
+    return {sign * way(down), -sign * way(east)};
   }
 
   [[nodiscard]] auto equation(const Ray& ray) const { return quadric_equation(ray, form); }
