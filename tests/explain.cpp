@@ -208,6 +208,41 @@ TEST_CASE("the explanation of a pixel goes from the film through the lights to t
   CHECK(folder.count() == 0);
 }
 
+TEST_CASE("the explanation of a pixel tells the emission of a surface apart from the light that lights add") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "a.json", R"({
+    "settings": {"resolution-x": 8, "resolution-y": 8},
+    "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0],
+               "field-of-view": 60},
+    "objects": [{"surface": {"type": "plane", "normal": [0, 0, 1], "distance": 3}, "material-id": "lamp"}],
+    "lights": [{"direction": [0, 0, -1], "intensity": [0.5, 0.5, 0.5]},
+               {"direction": [0, 3, -4], "intensity": [0.25, 0.25, 0.25]}],
+    "materials": {"lamp": {"diffuse": [0.5, 0.5, 0.5], "emission": [0.125, 0.25, 0.5], "specular": [0.1, 0, 0],
+                           "shininess": 1e9, "refract": 0.5, "ior": 1.25}}
+  })");
+  const Outcome outcome = run_stage("render", "a.json --pixel 4,4 --explain b.json", folder);
+  REQUIRE(outcome.status == 0);
+  std::size_t at = 0;
+  for (const char* text :
+       {"    emission (0.125, 0.25, 0.5)\n", "    specular (0.1, 0, 0), shininess 1e+09\n",
+        "share of the radiance (0.25, 0.25, 0.25)\n", "share of the radiance (0.1, 0.1, 0.1)\n",
+        "refracted ray, refract = 0.5, ior = 1.25, from", "radiance = emission + color * ambient light +",
+        ": (0.475, 0.6, 0.85)\n"}) {
+    CAPTURE(text);
+    const std::size_t next = outcome.out.find(text, at);
+    REQUIRE(next != std::string::npos);
+    at = next;
+  }
+  const Outcome checked =
+      run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+  if (checked.status == 127) {
+    WARN("not checked: python3 is not installed");
+    return;
+  }
+  CAPTURE(checked.err);
+  CHECK(checked.status == 0);
+}
+
 TEST_CASE("the explanation of a pixel tells what a normal map makes of the normal") {
   const TemporaryFolder folder;
   const Outcome outcome = run_stage("27_normal_map", "--pixel 500,400", folder);

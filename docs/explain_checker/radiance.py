@@ -56,6 +56,7 @@ class Radiance:
         lit, used = self.check_lights(ray, hit, line)
         for own in lit:
             light = sum32(light, own["share"].vector())
+        light = sum32(light, material["emission"].vector())
         d, following = unit(line.direction), []
         if material["reflect"].number() > 0:
             following.append(("reflect", mirror(d, mirroring_normal(hit, d)), 0))

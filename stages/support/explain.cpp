@@ -62,7 +62,8 @@ std::optional<Intersection> ExplainedScene::intersect(const Ray& ray, Interval r
       record.taken = i;
     }
   if (!record.taken) return std::nullopt;
-  const Intersection& hit = record.intersection.emplace(ray, first);
+  record.crossing = first;
+  const Intersection hit(ray, first);
   record.hit = recorded(hit, *record.taken);
   return hit;
 }

@@ -192,10 +192,16 @@ LightRecord light_at(const protostar::Intersection& hit, const protostar::Light&
 
 /// Adds the lights of a ray's hit, and of the rays that follow it, after the pixel has been traced.
 void add_lights(RayRecord& record, const std::vector<protostar::Light>& lights, const auto& integrator) {
-  if (record.intersection && record.asks_lights)
+  if (record.crossing && record.asks_lights) {
+    // What the surface itself sends out is no light's share.
+    protostar::Material unlit = record.hit->material;
+    unlit.emission = protostar::Color{0};
+    record.crossing->material = &unlit;
+    const protostar::Intersection hit(record.ray, *record.crossing);
     for (const protostar::Light& light : lights)
-      record.hit->lights.push_back(light_at(*record.intersection, light, record, integrator));
-  record.intersection.reset();
+      record.hit->lights.push_back(light_at(hit, light, record, integrator));
+  }
+  record.crossing.reset();
   for (RayRecord& ray : record.rays) add_lights(ray, lights, integrator);
 }
 

@@ -106,7 +106,7 @@ struct RayRecord {
   std::optional<protostar::Color> radiance = {};
 
   /// Closest hit in the scene, while that lives.
-  std::optional<protostar::Intersection> intersection = {};
+  std::optional<protostar::SurfaceCrossing> crossing = {};
 };
 
 /// Ray of the camera through a sample of the pixel.

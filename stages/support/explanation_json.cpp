@@ -370,8 +370,8 @@ class Writer {
         json_.member("second", checker->second);
         json_.member("size", checker->size);
       });
+    if (draws_light() || options_.integrator == "whitted") json_.member("emission", material.emission);
     if (draws_light()) {
-      json_.member("emission", material.emission);
       json_.member("glossy", material.glossy);
       if (!is_black(material.glossy)) {
         const bool is_phong = material.blur == Blur::phong;

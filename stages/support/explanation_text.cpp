@@ -135,8 +135,8 @@ constexpr std::array formulas{
     Formula{"sphere", "1 if the ray hits the sphere, otherwise 0"},
     Formula{"transparency", "light from behind, times the color at each hit"},
     Formula{"whitted",
-            "color * ambient light + share of each light that nothing occludes + reflect * radiance of the "
-            "mirrored ray + refract * radiance of the refracted ray"},
+            "emission + color * ambient light + share of each light that nothing occludes + reflect * "
+            "radiance of the mirrored ray + refract * radiance of the refracted ray"},
 };
 
 /// Writer of the tree, line by line.
@@ -265,6 +265,7 @@ class Tree {
          "color " + text(hit.color) +
              (hit.material.texture ? formatted(" of the texture at u = %.6g, v = %.6g", hit.uv.x, hit.uv.y)
                                    : ""));
+    write_material(depth, hit.material);
     if (record.asks_lights) line(depth, "ambient light " + text(explanation_.ambient));
     std::vector<bool> is_written(record.rays.size(), false);
     for (std::size_t i = 0; i < hit.lights.size(); ++i) {
@@ -284,6 +285,19 @@ class Tree {
         write(depth, ray, formula && formula->ray ? formula->ray : name_of(hit, following++));
   }
 
+  /// Writes what the integrator uses of a material besides its color, unless it is black.
+  void write_material(int depth, const Material& material) {
+    const bool is_whitted = options_.integrator == "whitted";
+    if (!is_whitted && options_.integrator != "direct" && options_.integrator != "path") return;
+    if (!is_black(material.emission)) line(depth, "emission " + text(material.emission));
+    if (is_whitted && !is_black(material.specular))
+      line(depth, "specular " + text(material.specular) + ", shininess " + text(material.shininess));
+    if (!is_whitted && !is_black(material.glossy))
+      line(depth, "glossy " + text(material.glossy) +
+                      (material.blur == Blur::phong ? ", shininess " + text(material.shininess)
+                                                    : ", roughness " + text(material.roughness)));
+  }
+
   static std::string text_of_normal(const Vec3& outside, const Vec3& facing) {
     return text(outside) + (facing == outside ? "" : ", turned to the ray: " + text(facing));
   }
@@ -293,7 +307,7 @@ class Tree {
   static std::string name_of(const HitRecord& hit, std::size_t i) {
     const float reflect = to_float(hit.material.reflect);
     if (i == 0 && reflect > 0) return "mirrored ray, reflect = " + text(hit.material.reflect);
-    return "refracted ray, refract = " + text(hit.material.refract);
+    return "refracted ray, refract = " + text(hit.material.refract) + ", ior = " + text(hit.material.ior);
   }
 
   void write_light(int depth, std::size_t i, const LightRecord& light) {
