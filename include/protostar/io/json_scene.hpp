@@ -156,7 +156,7 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
     file.scene.add(PointLight{.position = at["position"].point(), .power = at["power"].color()});
   } else {
     at.with_keys({"position", "direction", "intensity", "power", "angle", "fade", "ambient"});
-    if (!at.has("position") && !at.has("intensity"))
+    if (!at.has("position") || !at.has("intensity"))
       at.refuse(
           "a light: position and power; position and intensity; direction and intensity; position, "
           "direction, angle and power; or ambient");
