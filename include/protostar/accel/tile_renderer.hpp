@@ -59,7 +59,7 @@ class TileRenderer {
     candidates_.find(tile, frustum, in_tile);
     if constexpr (by_packets && View::rasterizes)
       if (have_common_start_and_places()) rasterize(in_tile, tile, work);
-    if (!try_fill_uniform(tile, in_tile, frustum, work)) fill_parts(tile, in_tile, 0, work);
+    fill_part(tile, in_tile, frustum, 0, work);
     work.state.counts.exact = fallbacks.exact - before.exact;
     work.state.counts.undecided = fallbacks.undecided - before.undecided;
     works_.give_back(work, statistics_);
@@ -121,10 +121,12 @@ class TileRenderer {
       });
   }
 
-  /// Fills a tile, or a part of one, by the divisions from `next` on: the first whose `most` its candidates
-  /// exceed splits it, and culls them for each part. The frustum of a small part has no cone, since a cone
-  /// takes longer to test than the planes and serves few parts.
-  void fill_parts(const Tile& tile, const Candidates& candidates, std::size_t next, Work& work) const {
+  /// Fills a tile, or a part of one: with one color, if all its samples surely have it, and otherwise by the
+  /// divisions from `next` on. The first whose `most` its candidates exceed splits it, and culls them for each
+  /// part. The frustum of a small part has no cone, since a cone takes longer to test and serves few parts.
+  void fill_part(const Tile& tile, const Candidates& candidates, const Frustum& frustum, std::size_t next,
+                 Work& work) const {
+    if (try_fill_uniform(tile, candidates, frustum, work)) return;
     while (next < std::size(divisions) && candidates.size() <= divisions[next].most) ++next;
     if (next == std::size(divisions)) return fill(tile, candidates, work);
     const auto [width, height, most] = divisions[next];
@@ -132,10 +134,10 @@ class TileRenderer {
     for (int y = tile.y0; y < tile.y1; y += height)
       for (int x = tile.x0; x < tile.x1; x += width) {
         const Tile part{x, y, std::min(x + width, tile.x1), std::min(y + height, tile.y1)};
-        const Frustum frustum(rays_, part, width >= least_width_with_cone);
+        const Frustum in_front(rays_, part, width >= least_width_with_cone);
         in_part.clear();
-        in_part.add(candidates, frustum);
-        if (!try_fill_uniform(part, in_part, frustum, work)) fill_parts(part, in_part, next + 1, work);
+        in_part.add(candidates, in_front);
+        fill_part(part, in_part, in_front, next + 1, work);
       }
   }
 
