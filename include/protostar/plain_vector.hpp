@@ -20,23 +20,27 @@ class PlainMemory {
  public:
   PlainMemory(std::size_t element, std::size_t alignment)
       : element_(element), alignment_(static_cast<std::uint32_t>(alignment)) {}
-  PlainMemory(const PlainMemory& other) : element_(other.element_), alignment_(other.alignment_) {
+  // What copies, moves and frees is not inlined, as it takes more code than all else that a caller does with
+  // the vector.
+  [[gnu::noinline]] PlainMemory(const PlainMemory& other)
+      : element_(other.element_), alignment_(other.alignment_) {
     assign(other);
   }
-  PlainMemory(PlainMemory&& other) noexcept : element_(other.element_), alignment_(other.alignment_) {
+  [[gnu::noinline]] PlainMemory(PlainMemory&& other) noexcept
+      : element_(other.element_), alignment_(other.alignment_) {
     swap(other);
   }
   PlainMemory& operator=(const PlainMemory& other) {
     if (this != &other) assign(other);
     return *this;
   }
-  PlainMemory& operator=(PlainMemory&& other) noexcept {
+  [[gnu::noinline]] PlainMemory& operator=(PlainMemory&& other) noexcept {
     PlainMemory old(element_, alignment_);
     swap(old);
     swap(other);
     return *this;
   }
-  ~PlainMemory() {
+  [[gnu::noinline]] ~PlainMemory() {
     if (data_ != nullptr) free();
   }
 
@@ -56,8 +60,7 @@ class PlainMemory {
  private:
   static constexpr std::size_t largest = static_cast<std::size_t>(-1) / 4;  ///< in bytes
 
-  // Not inlined, as they take more code than all else that a caller does with the vector.
-  [[gnu::noinline]] void free() { free_pages(data_, room_ * element_, alignment_); }
+  void free() { free_pages(data_, room_ * element_, alignment_); }
   [[gnu::noinline]] void grow(std::size_t count) {
     if (count > largest / element_) throw std::length_error("PlainVector: too many elements");
     const std::size_t room = count > 2 * room_ ? count : 2 * room_;
