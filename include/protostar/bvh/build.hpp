@@ -233,7 +233,8 @@ class TreeBuilder {
     }
   }
 
-  [[nodiscard]] Slices sliced(const Slicing& slicing, std::size_t first, std::size_t last) const {
+  [[nodiscard, gnu::noinline]] Slices sliced(const Slicing& slicing, std::size_t first,
+                                             std::size_t last) const {
     Slices slices(slicing.count);
     const auto add = [&](std::size_t i, Slices& to) {
       const Float4 place = slicing.place(boxes_[i]);
@@ -304,7 +305,8 @@ class TreeBuilder {
     Box middles[2];
   };
 
-  [[nodiscard]] Divided divided(std::uint32_t first, std::uint32_t last, const auto& is_right) {
+  [[nodiscard, gnu::noinline]] Divided divided(std::uint32_t first, std::uint32_t last,
+                                               const auto& is_right) {
     // The primitives between `middle` and i belong to the right, so that swapping does no harm: there is no
     // branch that could be mispredicted.
     Box left = Box::nothing(), right = Box::nothing();
