@@ -2,7 +2,6 @@
 #pragma once
 
 #include <concepts>
-#include <memory>
 #include <type_traits>
 
 #include "platform.hpp"
@@ -20,7 +19,7 @@ class FunctionRef<R(Arguments...)> {
   template <class F>
   requires(!std::same_as<F, FunctionRef> && std::is_invocable_r_v<R, const F&, Arguments...>)
       FunctionRef(const F& function)
-      : function_(std::addressof(function)), call_(&call<F>) {}
+      : function_(&function), call_(&call<F>) {}
 
   R operator()(Arguments... arguments) const {
     return call_(function_, static_cast<Arguments>(arguments)...);
