@@ -28,7 +28,7 @@ struct VertexNumbers : SampleSet<double> {
 
 /// Shares of light that a material's lobes send back (their share()), as weights for the choice of a lobe.
 struct LobeShares {
-  enum class Lobe { diffuse, glossy, mirror, glass };
+  enum class Lobe { none, diffuse, glossy, mirror, glass };
   double diffuse, glossy, mirror, glass;
 
   LobeShares(const Material& material, const Color& albedo, const Reflector& at)
@@ -45,8 +45,9 @@ struct LobeShares {
     double share;
   };
 
-  /// Chooses a lobe, with a probability in proportion to its share. Precondition: there is any.
+  /// Chooses a lobe, with a probability in proportion to its share; none if all shares are 0.
   [[nodiscard]] Choice choose(double& number) const {
+    if (!(whole() > 0)) return {Lobe::none, whole()};
     if (diffuse == whole()) return {Lobe::diffuse, diffuse};  // the number stays as it is
     if (decide(number, diffuse / whole())) return {Lobe::diffuse, diffuse};
     if (glossy > 0 && decide(number, glossy / (glossy + sharp()))) return {Lobe::glossy, glossy};
@@ -100,20 +101,21 @@ struct PathVertex {
   }
 
   /// Chooses one of the material's lobes by a number and draws a direction by it. A path does not go on if
-  /// the material scatters no light, or the direction leads into the surface.
+  /// the material scatters no light, or the direction leads into the surface. The bounce is made in the place
+  /// of the result: a copy would wait for numbers that have just been stored (copied).
   [[nodiscard]] Bounce scatter(double& number) const {
     using Lobe = LobeShares::Lobe;
     const double whole = shares.whole();
-    if (!(whole > 0)) return {};
     const Material& material = hit.material();
     const auto [lobe, of_lobe] = shares.choose(number);
-    Bounce onward = lobe == Lobe::diffuse  ? DiffuseLobe{albedo}.along(at.vertex, numbers.hemisphere)
-                    : lobe == Lobe::glossy ? at.glossy->sample(numbers[0], numbers[1])
+    Bounce onward = lobe == Lobe::none      ? Bounce{}
+                    : lobe == Lobe::diffuse ? DiffuseLobe{albedo}.along(at.vertex, numbers.hemisphere)
+                    : lobe == Lobe::glossy  ? at.glossy->sample(numbers[0], numbers[1])
                     : lobe == Lobe::mirror
                         ? MirrorLobe{to_float(material.reflect)}.sample(at.vertex)
                         : GlassLobe{to_float(material.refract), material.ior}.sample(at.vertex, number);
     if (lobe == Lobe::glossy) onward.weighed_density *= of_lobe / whole;
-    if (of_lobe != whole) onward.weight = times(onward.weight, whole / of_lobe);
+    if (of_lobe < whole) onward.weight = times(onward.weight, whole / of_lobe);
     return onward;
   }
 };
