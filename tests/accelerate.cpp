@@ -9,6 +9,7 @@
 #include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <protostar/surfaces/torus.hpp>
+#include <protostar/surfaces/triangle.hpp>
 
 #include <bit>
 #include <cmath>
@@ -362,6 +363,51 @@ TEST_CASE("small and distant spheres behind a ray's origin are hit as in the pla
     }
   CHECK(wrong == 0);
   CHECK(hits > 10000);
+}
+
+TEST_CASE(
+    "an accelerated scene of few surfaces knows what is the same at all points of each, but not of many") {
+  Random random(61);
+  Scene<Sphere, Plane, Disk, Parallelogram, Triangle, Box, Cube> scene;
+  for (int i = 0; i < 2; ++i) {
+    const auto vector = [&] { return random.point(2); };
+    scene.add(Sphere{vector(), random.real(0.5, 2)}, Color{1});
+    scene.add(Plane{vector(), random.real(-2, 2)}, Color{1});
+    scene.add(Disk{vector(), vector(), random.real(0.5, 2)}, Color{1});
+    scene.add(Parallelogram{vector(), vector(), vector()}, Color{1});
+    scene.add(Triangle{vector(), vector(), vector()}, Color{1});
+    scene.add(Box{{-1, -1, -1}, {1, 1, 1}}, Color{1});
+    scene.add(Cube{vector(), 1}, Color{1});
+  }
+  std::size_t index = 0, flat = 0;
+  const auto check = [&]<class T>(const auto& accelerated, const SceneVector<T>& surfaces) {
+    for (const T& surface : surfaces) {
+      CAPTURE(index);
+      const SurfaceConstants* const constants = accelerated.constants(index++);
+      REQUIRE(constants != nullptr);
+      CHECK(constants->departure.has_value() == !is_made_of_primitives<T>);
+      if (constants->departure) {
+        CHECK(*constants->departure == departure_of(surface));
+        CHECK(constants->departure->surface == &surface);
+      }
+      CHECK(constants->normal.has_value() == is_flat<T>);
+      if constexpr (is_flat<T>) {
+        ++flat;
+        for (int k = 0; k < 10; ++k) CHECK(*constants->normal == surface.normal_at(random.point(9)));
+      }
+    }
+  };
+  {
+    const auto few = accelerate(scene);
+    check(few, scene.surfaces<Sphere>()), check(few, scene.surfaces<Plane>());
+    check(few, scene.surfaces<Disk>()), check(few, scene.surfaces<Parallelogram>());
+    check(few, scene.surfaces<Triangle>()), check(few, scene.surfaces<Box>());
+    check(few, scene.surfaces<Cube>());
+    CHECK(index == 14);
+    CHECK(flat == 8);
+  }
+  while (scene.size() <= simd::few_surfaces) scene.add(Sphere{{0, 0, 0}, 1}, Color{1});
+  CHECK(accelerate(scene).constants(0) == nullptr);
 }
 
 TEST_CASE("accelerate refuses a negative number of threads for many surfaces and for none") {

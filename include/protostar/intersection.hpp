@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 
 #include "magnitude.hpp"
 #include "material.hpp"
@@ -39,12 +40,19 @@ struct SurfaceFunctions {
   ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
 };
 
+/// What is the same at all points of a surface, computed once for a picture.
+struct SurfaceConstants {
+  std::optional<Departure> departure;  ///< none for a surface made of primitives, which have one each
+  std::optional<Vec3> normal;          ///< unit normal; none for a surface that is not flat (is_flat)
+};
+
 /// Crossing with the surface that it is on, of any type.
 struct SurfaceCrossing {
   Crossing crossing;
   const void* surface = nullptr;
   const SurfaceFunctions* functions = nullptr;
   const Material* material = nullptr;
+  const SurfaceConstants* constants = nullptr;  ///< null: the surface computes all at each hit
 };
 
 namespace detail {
@@ -93,7 +101,8 @@ namespace detail {
 }
 
 /// Hit of a ray on a surface. It holds t and computes the rest on demand, so that an integrator pays only for
-/// what it uses. It is valid as long as its scene lives and gets no further surfaces.
+/// what it uses. It is valid as long as its scene lives and gets no further surfaces; one that a path meets
+/// in a picture, until the picture is drawn.
 class Intersection {
  public:
   using Light = Color;  ///< type of radiance (Color, or Colors for packets), not a light source
@@ -123,6 +132,7 @@ class Intersection {
   /// calls its outside (§2.3.1). On a mesh with vertex normals it is interpolated from these and differs from
   /// the triangle's geometric normal.
   [[nodiscard]] Vec3 surface_normal() const {
+    if (on_.constants != nullptr && on_.constants->normal) return *on_.constants->normal;
     return on_.functions->normal_at(on_.surface, at_rest(), primitive());
   }
 
@@ -186,10 +196,7 @@ class Intersection {
   /// Returns the ray from here in a direction of any length. Its departure keeps it from hitting the surface
   /// again at its origin; there is no offset.
   [[nodiscard]] Ray leave(const Vec3& direction) const {
-    return {.origin = point(),
-            .direction = direction,
-            .departure = on_.functions->departure(on_.surface, primitive()),
-            .time = ray_.time};
+    return {.origin = point(), .direction = direction, .departure = departure(), .time = ray_.time};
   }
 
   /// Returns t rounded from the exact root, within 1 ulp, if the surface has one; the middle of the enclosure
@@ -209,6 +216,11 @@ class Intersection {
   [[nodiscard]] Point at_rest() const {
     return on_.functions->at_rest == nullptr ? point()
                                              : on_.functions->at_rest(on_.surface, point(), ray_.time);
+  }
+
+  [[nodiscard]] Departure departure() const {
+    if (on_.constants != nullptr && on_.constants->departure) return *on_.constants->departure;
+    return on_.functions->departure(on_.surface, primitive());
   }
 
   Ray ray_;

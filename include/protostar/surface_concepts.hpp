@@ -140,6 +140,12 @@ inline constexpr bool knows_departure = is_made_of_primitives<S> || requires(con
   { surface.departure() } -> std::same_as<Departure>;
 };
 
+/// True for a surface that says, by a constant is_flat, that its normal is the same at all of its points.
+template <class S>
+inline constexpr bool is_flat = requires {
+  requires S::is_flat;
+};
+
 /// True for a surface with coordinates of its own, for textures.
 template <class S>
 inline constexpr bool knows_uv = requires(const S& surface, const Point& point) {

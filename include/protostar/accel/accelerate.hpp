@@ -33,8 +33,8 @@ class Accelerated;
 /// It borrows the scene, which has to live as long and keep its surfaces: the trees know those that were
 /// there when they were built. If the scene has gained or lost surfaces since, each of intersect, occluded
 /// and crossings, and render, throws std::logic_error; accelerate the scene again. Replacing surfaces in
-/// equal number is not detected and leaves the BVHs wrong. Lights, sky and environment may change between two
-/// calls.
+/// equal number is not detected and leaves the BVHs and the constants of surfaces wrong. Lights, sky and
+/// environment may change between two calls.
 template <Surface... S>
 class Accelerated<Scene<S...>> {
  public:
@@ -42,7 +42,7 @@ class Accelerated<Scene<S...>> {
       : scene_(&scene),
         counts_{scene.template surfaces<S>().size()...},
         finders_{simd::Finder<S>(scene.template surfaces<S>(), options)...} {
-    if (scene.size() <= simd::few_surfaces) find_departed_together();
+    if (scene.size() <= simd::few_surfaces) prepare_few();
     detail::require_threads(options);  // few surfaces are sorted by one thread, whatever the options say
   }
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
@@ -88,6 +88,12 @@ class Accelerated<Scene<S...>> {
       return departed != simd::no_surface && !is_made_of_primitives<T>;
     };
     return (is_of(std::type_identity<S>{}) || ...) ? departed_together_[index] : left_by(ray);
+  }
+
+  /// Returns the constants of the k-th surface of the scene, valid as long as this view; null if the scene
+  /// has more than few_surfaces surfaces, whose constants take more memory than time.
+  [[nodiscard]] const SurfaceConstants* constants(std::size_t k) const {
+    return scene_->size() <= simd::few_surfaces ? &constants_[k] : nullptr;
   }
 
   /// Replaces `first`, the closest hit of a ray inside a range among the surfaces of all types before T, or
@@ -166,11 +172,15 @@ class Accelerated<Scene<S...>> {
     return left;
   }
 
-  /// Fills departed_together_ for the surfaces without primitives, which have one departure each.
-  void find_departed_together() {
-    each_surface([&]<class T>(const T& departed, std::size_t index) {
-      if constexpr (!is_made_of_primitives<T>)
-        departed_together_[index] = left_by({.departure = functions_of<T>.departure(&departed, 0)});
+  /// Fills constants_, and departed_together_ for the surfaces that have one departure each.
+  void prepare_few() {
+    each_surface([&]<class T>(const T& surface, std::size_t index) {
+      SurfaceConstants& constants = constants_[index];
+      if constexpr (is_flat<T>) constants.normal = normal_at(surface, Point{0}, 0);
+      if constexpr (!is_made_of_primitives<T>) {
+        constants.departure = departure_of(surface);
+        departed_together_[index] = left_by({.departure = *constants.departure});
+      }
     });
   }
 
@@ -231,6 +241,7 @@ class Accelerated<Scene<S...>> {
   /// Sets of coinciding surfaces, by the index in the scene's order of the surface that is left; all 0 if the
   /// scene has more than few_surfaces.
   std::array<simd::Bits, simd::few_surfaces> departed_together_{};
+  std::array<SurfaceConstants, simd::few_surfaces> constants_{};  ///< in the scene's order, as these sets
 };
 
 /// Returns an accelerated view of a scene, with the scene's answers in less time. Call it after the last

@@ -24,11 +24,30 @@ class HitsAmongFew : public TileHits<S...> {
   using Base = TileHits<S...>;
 
  public:
-  using Base::Base, Base::visit;
-  using typename Base::Closest;
+  using Base::visit;
+  using typename Base::Closest, typename Base::State;
+
+  HitsAmongFew(const Accelerated<Scene<S...>>& accelerated, const Candidates& candidates, State& state)
+      : Base(accelerated.scene(), candidates, state), accelerated_(accelerated) {}
+
+  /// Calls tell(ray, crossing, lane) for each of these closest hits, and returns which rays have one.
+  LaneMask each_hit(const RayPacket& rays, const Closest& closest, const auto& tell) const {
+    const LaneMask met = rays.active && closest.t < infinity;
+    for (const int lane : lanes_in(met)) {
+      const Ray ray = rays[lane];
+      const std::int64_t index = closest.index[lane];
+      visit(index, [&](const auto& surface, const Material& material) {
+        const Crossing crossing = Base::crossing_of(surface, ray, closest, lane);
+        tell(ray, crossing_with_constants(index, surface, crossing, material), lane);
+      });
+    }
+    return met;
+  }
 
  protected:
   using Base::count_tests, Base::scene_, Base::state_;
+
+  const Accelerated<Scene<S...>>& accelerated_;
 
   /// True for a type whose equation takes packets, without primitives.
   template <class T>
@@ -52,13 +71,12 @@ class HitsAmongFew : public TileHits<S...> {
   static constexpr std::size_t fewest_in_lanes = 3;
 
   /// Finds the closest hits of some rays: ray(k) is the k-th, and its hit becomes *place(k), which is not
-  /// initialized. All surfaces of types that are tested in lanes are tested, and then `everything` looks for
-  /// closer hits on others. The surface that a ray leaves is tested with that ray alone, which knows its
-  /// departure, and so is each surface that coincides with it: far from the scene's origin, the rounded
-  /// origin of the ray is certainly off that surface, and a test in lanes would be sure of a wrong hit.
-  /// Planes are not crossed again. `everything` answers for rays in doubt.
-  void intersect_in_lanes(const Accelerated<Scene<S...>>& everything, std::size_t count, const auto& ray,
-                          const auto& place) const {
+  /// initialized. All surfaces of types that are tested in lanes are tested, and then the accelerated scene
+  /// looks for closer hits on others. The surface that a ray leaves is tested with that ray alone, which
+  /// knows its departure, and so is each surface that coincides with it: far from the scene's origin, the
+  /// rounded origin of the ray is certainly off that surface, and a test in lanes would be sure of a wrong
+  /// hit. Planes are not crossed again. The accelerated scene answers for rays in doubt.
+  void intersect_in_lanes(std::size_t count, const auto& ray, const auto& place) const {
     constexpr auto lanes = static_cast<std::size_t>(double_lanes);
     std::array<double, lanes> numbers[7];
     Bits leaving[few_surfaces] = {};
@@ -68,7 +86,8 @@ class HitsAmongFew : public TileHits<S...> {
                                 one.direction.y, one.direction.z, one.time};
       for (std::size_t i = 0; i < 7; ++i) numbers[i][k] = of_ray[i];
       if (k >= count) continue;
-      for (const int surface : lanes_in(everything.departed_together(one))) leaving[surface] |= Bits{1} << k;
+      for (const int surface : lanes_in(accelerated_.departed_together(one)))
+        leaving[surface] |= Bits{1} << k;
     }
     const auto load = [&](std::size_t i) { return Doubles::load(numbers[i].data()); };
     RayPacket rays({load(0), load(1), load(2)}, {load(3), load(4), load(5)},
@@ -107,14 +126,14 @@ class HitsAmongFew : public TileHits<S...> {
       const Ray& one = ray(k);
       if ((bits(in_doubt) >> k & 1) != 0) {
         ++state_.counts.in_doubt;
-        new (place(k)) std::optional<Intersection>(everything.intersect(one, Interval{}));
+        new (place(k)) std::optional<Intersection>(accelerated_.intersect(one, Interval{}));
         continue;
       }
       const auto place_closest = [&](SurfaceCrossing first) {
         Interval range;
         if (first.surface != nullptr) range.max = upper_bound_of(first.crossing.t);
         const auto look_if_other = [&]<class T>(std::type_identity<T>) {
-          if constexpr (!is_tested_in_lanes<T>) everything.template look_for_first<T>(one, range, first);
+          if constexpr (!is_tested_in_lanes<T>) accelerated_.template look_for_first<T>(one, range, first);
         };
         (look_if_other(std::type_identity<S>{}), ...);
         if (first.surface == nullptr)
@@ -127,9 +146,19 @@ class HitsAmongFew : public TileHits<S...> {
       else
         visit(found.index[lane], [&](const auto& surface, const Material& material) {
           const Crossing crossing{found.t[lane], static_cast<int>(bits(found.is_far) >> k & 1)};
-          place_closest(crossing_on(surface, crossing, material));
+          place_closest(crossing_with_constants(found.index[lane], surface, crossing, material));
         });
     }
+  }
+
+ private:
+  /// Returns a crossing with the surface with an index in the scene's order, and with its constants.
+  [[nodiscard]] SurfaceCrossing crossing_with_constants(std::int64_t index, const auto& surface,
+                                                        const Crossing& crossing,
+                                                        const Material& material) const {
+    SurfaceCrossing on = crossing_on(surface, crossing, material);
+    on.constants = accelerated_.constants(static_cast<std::size_t>(index));
+    return on;
   }
 };
 

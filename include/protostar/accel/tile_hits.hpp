@@ -140,18 +140,6 @@ class TileHits {
     return any(rays.active && !met) ? select(met, result, Colors(background())) : result;
   }
 
-  /// Calls tell(ray, crossing, lane) for each of these closest hits, and returns which rays have one.
-  LaneMask each_hit(const RayPacket& rays, const Closest& closest, const auto& tell) const {
-    const LaneMask met = rays.active && closest.t < infinity;
-    for (const int lane : lanes_in(met)) {
-      const Ray ray = rays[lane];
-      visit(closest.index[lane], [&](const auto& surface, const Material& material) {
-        tell(ray, crossing_on(surface, crossing_of(surface, ray, closest, lane), material), lane);
-      });
-    }
-    return met;
-  }
-
   /// Returns the radiance of pixels that surely see these surfaces, or nothing, by an integrator that needs
   /// no point of them.
   [[nodiscard]] Colors shade_without_point(const Indices& seen, const auto& background,
@@ -208,6 +196,20 @@ class TileHits {
   [[nodiscard]] const typename T::Drawn* buffer_at(std::int64_t index) const {
     const VisibilityBuffers<T>& buffers = state_.buffers;
     return buffers.at(static_cast<int>(index), sample_);
+  }
+
+  /// Returns the crossing of the closest hit in a lane: by number_of it, or by t and is_far for a type that
+  /// takes packets. It is found again for all other types, and for hits from a visibility buffer.
+  template <Surface T>
+  [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
+                                            int lane) {
+    if constexpr (is_made_of_primitives<T>)
+      if (has_primitives(surface) && closest.primitive[lane] < 0)
+        return crossing_at(closest.t[lane], closest.primitive[lane]);
+    if constexpr (takes_packets<T> && !SurfaceOfLanes<T>)
+      return {.t = closest.t[lane], .root = static_cast<int>(bits(closest.is_far) >> lane & 1)};
+    else
+      return *first_crossing(surface, ray, Interval{});
   }
 
   /// Closest hit of one ray among some surfaces, and the index of its surface; no_surface_index if it misses.
@@ -362,20 +364,6 @@ class TileHits {
       result.set(lane, shade_in_lane(shade_hits, hit, lane));
     }
     return result;
-  }
-
-  /// Returns the crossing of the closest hit in a lane: from its number (number_of), or for a type that takes
-  /// packets from t and is_far. For all other types, and hits from a visibility buffer, it is searched again.
-  template <Surface T>
-  [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
-                                            int lane) {
-    if constexpr (is_made_of_primitives<T>)
-      if (has_primitives(surface) && closest.primitive[lane] < 0)
-        return crossing_at(closest.t[lane], closest.primitive[lane]);
-    if constexpr (takes_packets<T> && !SurfaceOfLanes<T>)
-      return {.t = closest.t[lane], .root = static_cast<int>(bits(closest.is_far) >> lane & 1)};
-    else
-      return *first_crossing(surface, ray, Interval{});
   }
 
   /// Returns the closest hits, with each ray in doubt traced alone. `closest` is passed by value, so that

@@ -32,7 +32,7 @@ class TileScene : public HitsAmongFew<S...> {
 
   TileScene(const Accelerated<Scene<S...>>& accelerated, const Candidates& candidates, const Skips& skips,
             State& state)
-      : Base(accelerated.scene(), candidates, state), accelerated_(accelerated), skips_(skips) {}
+      : Base(accelerated, candidates, state), skips_(skips) {}
 
   [[nodiscard]] const std::vector<Light>& lights() const { return scene_.lights(); }
   [[nodiscard]] const Color& ambient() const { return scene_.ambient(); }
@@ -84,7 +84,7 @@ class TileScene : public HitsAmongFew<S...> {
   void intersect_each(std::size_t count, const auto& ray, const auto& result) const {
     if constexpr (Base::tests_in_lanes)
       if (count >= Base::fewest_in_lanes && scene_.size() <= few_surfaces && this->tested_in_lanes() > 0)
-        return this->intersect_in_lanes(accelerated_, count, ray, result);
+        return this->intersect_in_lanes(count, ray, result);
     for (std::size_t k = 0; k < count; ++k)
       new (result(k)) std::optional<Intersection>(intersect(ray(k), Interval{}));  // in place
   }
@@ -196,7 +196,7 @@ class TileScene : public HitsAmongFew<S...> {
   }
 
  private:
-  using Base::candidates_, Base::scene_, Base::state_, Base::first_x_, Base::first_y_;
+  using Base::accelerated_, Base::candidates_, Base::scene_, Base::state_, Base::first_x_, Base::first_y_;
   using Base::count_tests, Base::only_lane;
 
   struct MaskedCrossing {
@@ -376,7 +376,6 @@ class TileScene : public HitsAmongFew<S...> {
       each_crossing(surface, rays[lane], range, [&](const Crossing& crossing) { tell(lane, crossing); });
   }
 
-  const Accelerated<Scene<S...>>& accelerated_;
   const Skips& skips_;
   std::optional<Ray> camera_ray_;
   mutable const PlainVector<CrossedByBlock>* crossed_ = nullptr;

@@ -27,6 +27,8 @@ struct Disk {
     return first_t(*this, ray, range);
   }
 
+  static constexpr bool is_flat = true;  ///< the normal is the same at every point
+
   /// Returns the unit normal, the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {

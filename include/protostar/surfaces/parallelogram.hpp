@@ -24,6 +24,8 @@ struct Parallelogram {
     return first_t(*this, ray, range);
   }
 
+  static constexpr bool is_flat = true;  ///< the normal is the same at every point
+
   /// Returns the unit normal along edge_u × edge_v, the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {

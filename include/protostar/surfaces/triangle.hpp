@@ -29,6 +29,8 @@ struct Triangle {
     return first_t(*this, ray, range);
   }
 
+  static constexpr bool is_flat = true;  ///< the normal is the same at every point
+
   /// Returns the unit normal along (b − a) × (c − a), the same at every point.
   template <class P = Point>
   [[nodiscard]] Vec3 normal_at(const P&) const {
