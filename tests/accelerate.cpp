@@ -381,8 +381,20 @@ TEST_CASE(
   }
   std::size_t index = 0, flat = 0;
   const auto check = [&]<class T>(const auto& accelerated, const SceneVector<T>& surfaces) {
-    for (const T& surface : surfaces) {
+    REQUIRE(accelerated.template equations<T>().size() == surfaces.size());
+    for (std::size_t i = 0; i < surfaces.size(); ++i) {
       CAPTURE(index);
+      const T& surface = surfaces[i];
+      if constexpr (PreparedSurface<T>) {
+        const Ray ray{.origin = random.point(9), .direction = random.point(1)};
+        const auto prepared = accelerated.template equations<T>()[i].equation(ray),
+                   own = surface.equation(ray);
+        CHECK(prepared.height == own.height);
+        CHECK(prepared.slope == own.slope);
+        CHECK(prepared.is_certain == own.is_certain);
+        CHECK(prepared.misses == own.misses);
+        CHECK(prepared.crosses == own.crosses);
+      }
       const SurfaceConstants* const constants = accelerated.constants(index++);
       REQUIRE(constants != nullptr);
       CHECK(constants->departure.has_value() == !is_made_of_primitives<T>);

@@ -107,6 +107,13 @@ concept SurfaceWithEquation = Surface<S> &&
   { surface.is_left_by(ray) } -> std::same_as<bool>;
 };
 
+/// Surface whose equation takes much that all rays have in common: prepared() computes it, and returns an
+/// object with the same equation(rays) for rays in double.
+template <class S>
+concept PreparedSurface = SurfaceWithEquation<S> && requires(const S& surface, const Ray& ray) {
+  { surface.prepared().equation(ray) } -> std::same_as<decltype(surface.equation(ray))>;
+};
+
 /// Surface that finds its crossings itself: one made of other surfaces or of primitives, one with more than
 /// two crossings per line (Torus), or one that is marched. Its functions take account of departures, and
 /// each_crossing visits near to far.

@@ -96,6 +96,16 @@ class Accelerated<Scene<S...>> {
     return scene_->size() <= simd::few_surfaces ? &constants_[k] : nullptr;
   }
 
+  /// Returns the equations of all surfaces of a type, in their order: prepared ones, or the surfaces
+  /// themselves. Precondition: at most few_surfaces surfaces.
+  template <class T>
+  [[nodiscard]] const auto& equations() const {
+    if constexpr (PreparedSurface<T>)
+      return static_cast<const PreparedAll<T>&>(prepared_).all;
+    else
+      return scene_->template surfaces<T>();
+  }
+
   /// Replaces `first`, the closest hit of a ray inside a range among the surfaces of all types before T, or
   /// none, by the closest among those of T as well, and ends the range there. It does not ask whether the
   /// scene has changed (require_same_surfaces).
@@ -172,9 +182,11 @@ class Accelerated<Scene<S...>> {
     return left;
   }
 
-  /// Fills constants_, and departed_together_ for the surfaces that have one departure each.
+  /// Fills prepared_, constants_, and departed_together_ for the surfaces that have one departure each.
   void prepare_few() {
     each_surface([&]<class T>(const T& surface, std::size_t index) {
+      if constexpr (PreparedSurface<T>)
+        static_cast<PreparedAll<T>&>(prepared_).all.push_back(surface.prepared());
       SurfaceConstants& constants = constants_[index];
       if constexpr (is_flat<T>) constants.normal = normal_at(surface, Point{0}, 0);
       if constexpr (!is_made_of_primitives<T>) {
@@ -234,6 +246,15 @@ class Accelerated<Scene<S...>> {
 
   struct Finders : simd::Finder<S>... {};  ///< one of each type
 
+  /// Prepared equations of all surfaces of a type, if it has such.
+  template <class T>
+  struct PreparedAll {};
+  template <PreparedSurface T>
+  struct PreparedAll<T> {
+    std::vector<typename T::Prepared> all;
+  };
+  struct PreparedOfTypes : PreparedAll<S>... {};
+
   const Scene<S...>* scene_;
   Counts counts_;  ///< when the scene was accelerated
   Finders finders_;
@@ -242,6 +263,7 @@ class Accelerated<Scene<S...>> {
   /// scene has more than few_surfaces.
   std::array<simd::Bits, simd::few_surfaces> departed_together_{};
   std::array<SurfaceConstants, simd::few_surfaces> constants_{};  ///< in the scene's order, as these sets
+  PreparedOfTypes prepared_;                                      ///< empty as well, if it has more
 };
 
 /// Returns an accelerated view of a scene, with the scene's answers in less time. Call it after the last

@@ -98,16 +98,19 @@ class HitsAmongFew : public TileHits<S...> {
     LaneMask in_doubt = false;
     std::int64_t index = 0;
     const auto test_all = [&]<class T>(const SceneVector<T>& surfaces) {
-      for (const T& surface : surfaces) {
+      const auto& equations = accelerated_.template equations<T>();
+      for (std::size_t i = 0; i < surfaces.size(); ++i) {
         const Bits alone = leaving[index] & bits(rays.active);
         const LaneMask others = rays.active && !mask_of<double, double_lanes>(alone);
         count_tests(rays.active);
-        ClosestCrossings first = first_crossings(surface, rays, others, Interval{});
-        first.is_far = first.is_far && others;
+        const FirstRootOfEach<Doubles, LaneMask> root =
+            first_root_of_each(equations[i].equation(rays), others);
+        ClosestCrossings first{
+            .t = root.t, .met = root.is_there, .in_doubt = root.in_doubt, .is_far = root.is_far && others};
         if constexpr (protostar::detail::is_quadratic<T>)
           for (const int lane : lanes_in(alone))
             if (const auto crossing =
-                    first_crossing(surface, ray(static_cast<std::size_t>(lane)), Interval{})) {
+                    first_crossing(surfaces[i], ray(static_cast<std::size_t>(lane)), Interval{})) {
               first.t.set(lane, crossing->t);
               first.met = first.met || Base::only_lane(lane);
               if (crossing->root == 1) first.is_far = first.is_far || Base::only_lane(lane);

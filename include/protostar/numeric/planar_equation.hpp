@@ -40,33 +40,54 @@ template <class V>
          slopes > 0x1p-800;
 }
 
-/// Returns the equation in double of a parallelogram or a triangle with the corner p and the edges u and v,
+}  // namespace detail
+
+/// Edges u and v from a corner of a parallelogram or a triangle, or of several in lanes, and what the
+/// equation takes of them alone, which may be computed once for all lines.
+template <class Vector>
+struct CornerEdges {
+  using Number = decltype(detail::sum_of(Vector()));
+  using Truth = std::remove_const_t<decltype(Number() < Number())>;
+
+  Vector u, v, normal, terms;  ///< the edges, u × v, and the sizes of its terms
+  Number sum, product;         ///< U + V and U V of the sums of the sizes of u and v
+  Truth are_in_range;
+
+  [[gnu::always_inline]] CornerEdges(const Vector& one, const Vector& other)
+      : u(one), v(other), normal(cross(u, v)), terms(detail::sizes_of_cross(u, v)) {
+    const auto U = detail::sum_of(abs(u)), V = detail::sum_of(abs(v));
+    sum = U + V, product = U * V;
+    are_in_range = 0x1p-200 < U && U < 0x1p200 && 0x1p-200 < V && V < 0x1p200;
+  }
+};
+
+namespace detail {
+
+/// Returns the equation in double of a parallelogram or a triangle with the corner p and two edges u and v,
 /// for one or more lines. sides(x, y, slope, E) returns which lines surely pass outside and which inside,
 /// with
 ///   slope = (u × v)·d,   x = v·m,   y = u·m   and   m = w × d,
 /// whose comparisons have an error below E. With U, V, W, D the sums of the sizes of u, v, w and d, errors
 /// are at most 11u D (U V + (U + V) W); E is 16u of it.
+template <class V>
 [[nodiscard, gnu::always_inline]] inline auto equation_along_edges(const auto& rays, const auto& p,
-                                                                   const auto& u, const auto& v,
+                                                                   const CornerEdges<V>& edges,
                                                                    const auto& sides) {
   const auto w = p - rays.origin;
   const auto m = cross(w, rays.direction);
-  const auto U = sum_of(abs(u)), V = sum_of(abs(v));
   const auto w_sizes = origin_sizes(rays, w);
   const auto d_sizes = direction_sizes(rays);
   const auto W = sum_of(w_sizes);
   const auto D = sum_of(d_sizes);
-  const auto in_range = 0x1p-200 < U && U < 0x1p200 && 0x1p-200 < V && V < 0x1p200 && W < 0x1p200 &&
-                        0x1p-200 < D && D < 0x1p200;
+  const auto in_range = edges.are_in_range && W < 0x1p200 && 0x1p-200 < D && D < 0x1p200;
 
-  const auto n = cross(u, v), terms = sizes_of_cross(u, v);
-  const auto height = dot(n, w);
-  const auto slope = dot(n, rays.direction);
+  const auto height = dot(edges.normal, w);
+  const auto slope = dot(edges.normal, rays.direction);
   const auto certain =
-      in_range && is_quotient_certain(height, dot(terms, w_sizes), slope, dot(terms, d_sizes));
+      in_range && is_quotient_certain(height, dot(edges.terms, w_sizes), slope, dot(edges.terms, d_sizes));
 
-  const auto E = 0x1p-49 * D * (U * V + (U + V) * W);
-  const auto [outside, inside] = sides(dot(v, m), dot(u, m), slope, E);
+  const auto E = 0x1p-49 * D * (edges.product + edges.sum * W);
+  const auto [outside, inside] = sides(dot(edges.v, m), dot(edges.u, m), slope, E);
   const auto misses = in_range && outside, crosses = in_range && inside;
   return RoundedLinear{height, slope, misses, crosses, certain};
 }
@@ -143,15 +164,20 @@ template <class V>
 /// and the point is in the parallelogram for 0 ≤ a ≤ 1 and 0 ≤ b ≤ 1. If even the sign of S is in doubt, |S|
 /// is so small that a line found to be outside misses with either sign.
 [[nodiscard, gnu::always_inline]] inline auto parallelogram_equation(const auto& rays, const Point& position,
-                                                                     const Vec3& edge_u, const Vec3& edge_v) {
+                                                                     const CornerEdges<Vec3>& edges) {
   return detail::equation_along_edges(
-      rays, position, edge_u, edge_v, [](const auto& x, const auto& y, const auto& slope, const auto& E) {
+      rays, position, edges, [](const auto& x, const auto& y, const auto& slope, const auto& E) {
         using std::abs;
         const auto turned = slope < 0.0;
         const auto along_u = select(turned, -x, x), along_v = select(turned, y, -y), end = abs(slope);
         return std::pair(along_u < -E || along_v < -E || along_u > end + E || along_v > end + E,
                          along_u > E && along_v > E && along_u < end - E && along_v < end - E);
       });
+}
+
+[[nodiscard, gnu::always_inline]] inline auto parallelogram_equation(const auto& rays, const Point& position,
+                                                                     const Vec3& edge_u, const Vec3& edge_v) {
+  return parallelogram_equation(rays, position, CornerEdges(edge_u, edge_v));
 }
 
 /// Returns the equation without rounding: t·d = w + weight · (a·u + b·v) with w = weight · position − origin.
@@ -181,18 +207,23 @@ template <class V>
 // Hence side(q, p) is always −side(p, q), and a line aimed at an edge that two triangles share, or at a
 // vertex of many, passes them like a line next to it: through one of them, and not through two.
 
-/// Returns the equation of a triangle in double, of one or more lines and one or more triangles. With the
-/// edges u = b − a and v = c − a,
+/// Returns the equation of a triangle in double, of one or more lines and one or more triangles, given its
+/// corner a and the edges u = b − a and v = c − a. With these,
 ///   side(a, b) = −u·m,   side(c, a) = v·m,   side(b, c) = n·d − side(a, b) − side(c, a).
-[[nodiscard, gnu::always_inline]] inline auto triangle_equation(const auto& rays, const auto& a,
-                                                                const auto& b, const auto& c) {
-  return detail::equation_along_edges(rays, a, b - a, c - a,
+template <class V>
+[[nodiscard, gnu::always_inline]] inline auto triangle_equation(const auto& rays, const V& a,
+                                                                const CornerEdges<V>& edges) {
+  return detail::equation_along_edges(rays, a, edges,
                                       [](const auto& x, const auto& y, const auto& slope, const auto& E) {
                                         using std::max, std::min;
                                         const auto ab = -y, ca = x, bc = slope - ab - ca;
                                         const auto least = min(ab, min(bc, ca)), most = max(ab, max(bc, ca));
                                         return std::pair(most > E && least<-E, least> E || most < -E);
                                       });
+}
+[[nodiscard, gnu::always_inline]] inline auto triangle_equation(const auto& rays, const auto& a,
+                                                                const auto& b, const auto& c) {
+  return triangle_equation(rays, a, CornerEdges(b - a, c - a));
 }
 
 namespace detail {

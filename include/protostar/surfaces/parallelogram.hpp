@@ -48,6 +48,17 @@ struct Parallelogram {
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return parallelogram_equation(rays, position, edge_u, edge_v);
   }
+
+  /// The same equation in double, with what all rays have in common computed in advance.
+  struct Prepared {
+    Point position;
+    CornerEdges<Vec3> edges;
+    [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
+      return parallelogram_equation(rays, position, edges);
+    }
+  };
+  [[nodiscard]] Prepared prepared() const { return {position, CornerEdges(edge_u, edge_v)}; }
+
   [[nodiscard]] bool has_finite_numbers() const {
     return is_finite(position) && is_finite(edge_u) && is_finite(edge_v);
   }

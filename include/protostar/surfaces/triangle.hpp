@@ -53,6 +53,17 @@ struct Triangle {
   [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
     return triangle_equation(rays, a, b, c);
   }
+
+  /// The same equation in double, with what all rays have in common computed in advance.
+  struct Prepared {
+    Point a;
+    CornerEdges<Vec3> edges;
+    [[nodiscard, gnu::always_inline]] auto equation(const auto& rays) const {
+      return triangle_equation(rays, a, edges);
+    }
+  };
+  [[nodiscard]] Prepared prepared() const { return {a, CornerEdges(b - a, c - a)}; }
+
   [[nodiscard]] bool has_finite_numbers() const { return is_finite(a) && is_finite(b) && is_finite(c); }
 
   /// Returns true if a ray, or the rays of a packet, depart from the plane of the triangle.
