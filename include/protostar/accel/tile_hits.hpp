@@ -198,8 +198,8 @@ class TileHits {
     return buffers.at(static_cast<int>(index), sample_);
   }
 
-  /// Returns the crossing of the closest hit in a lane: by number_of it, or by t and is_far for a type that
-  /// takes packets. It is found again for all other types, and for hits from a visibility buffer.
+  /// Returns the crossing of the closest hit in a lane: from its number (number_of), or for a type that takes
+  /// packets from t and is_far. For all other types, and hits from a visibility buffer, it is searched again.
   template <Surface T>
   [[nodiscard]] static Crossing crossing_of(const T& surface, const Ray& ray, const Closest& closest,
                                             int lane) {

@@ -121,9 +121,8 @@ class TileRenderer {
       });
   }
 
-  /// Fills a tile, or a part of one: with one color, if all its samples surely have it, and otherwise by the
-  /// divisions from `next` on. The first whose `most` its candidates exceed splits it, and culls them for each
-  /// part. The frustum of a small part has no cone, since a cone takes longer to test and serves few parts.
+  /// Fills a tile, or a part of one: with one color, or else by the divisions from `next` on. The first whose
+  /// `most` its candidates exceed splits it. Small parts have no cone, which takes long and serves few parts.
   void fill_part(const Tile& tile, const Candidates& candidates, const Frustum& frustum, std::size_t next,
                  Work& work) const {
     if (try_fill_uniform(tile, candidates, frustum, work)) return;
@@ -201,8 +200,7 @@ class TileRenderer {
   }
 
   /// Fills a part of at most 16 × 16 pixels with the radiance of each pixel's rays. A pixel has one sum in an
-  /// image and `scramblings` in a film: sample i belongs to sum i mod their number. They are filled one after
-  /// the other.
+  /// image and `scramblings` in a film, filled one after the other: sample i is of sum i mod their number.
   void fill(const Tile& part, const Candidates& candidates, Work& work) const {
     View view = view_of(candidates, work);
     const PixelGrid& pixels = rays_.pixels();
