@@ -117,7 +117,8 @@ class Intersection {
         on_{.crossing = {on.crossing.t, on.crossing.root, on.crossing.primitive},
             .surface = on.surface,
             .functions = on.functions,
-            .material = on.material} {}
+            .material = on.material,
+            .constants = on.constants} {}
 
   /// Returns the point of the ray at t, with t limited to 2^440 (most_t).
   [[nodiscard]] Point point() const { return ray_.at(std::min(t, most_t)); }
