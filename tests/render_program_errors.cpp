@@ -160,10 +160,11 @@ TEST_CASE("samples that are too many for the lights of a scene are told by the o
   for (int i = 0; i < 12; ++i) lights += "," + lights;  // 4096 of them
   put_bytes(folder / "scene.json", changed_three_spheres(R"("lights": [)", R"("lights": [)" + lights + ","));
   const std::string many =
-      ": with 4097 lights a pixel may take 4196352 rays, and at most 4194304 are allowed\n";
+      ": with 4097 lights a pixel may take 4196352 rays, and at most 4194304 are allowed\n"
+      "Run with --help for what is allowed.\n";
   const auto says = [&](const std::string& options, const std::string& error) {
     const Outcome outcome = run_stage("render", "scene.json --size 8x8 " + options, folder);
-    CHECK(outcome.status == 1);
+    CHECK(outcome.status == 2);
     CHECK(outcome.err == "render: " + error);
   };
   says("--samples 1024", "--samples" + many);

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "chance_pictures.hpp"
+#include "command_line.hpp"
 #include "march_pictures.hpp"
 #include "pictures.hpp"
 #include "scene_pictures.hpp"
@@ -16,7 +17,7 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator,
   const bool is_open = options.error > 0 || options.seconds > 0;
   const int shares = is_open ? std::min(options.max_samples, 1024) : options.samples;
   if (const auto refusal = refusal_of_samples(shares, file.scene.lights().size()))
-    throw std::runtime_error((is_open ? "--max-samples: " : "--samples: ") + *refusal);
+    throw UsageError(is_open ? "--max-samples" : "--samples", *refusal);
   require_integrator(integrator, file);
   const double farthest = file.occlusion_distance.value_or(infinity);
   const auto draw_with = [&](const auto& chosen) { render(image, file.camera, file.scene, chosen, options); };

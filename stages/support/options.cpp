@@ -6,6 +6,9 @@
 #include <protostar/image.hpp>
 #include <protostar/io/scene_file.hpp>
 #include <protostar/io/text.hpp>
+#include <protostar/sampling/estimate.hpp>
+#include <protostar/sampling/every_pixel.hpp>
+#include <protostar/sampling/exact_sum.hpp>
 #include <protostar/sampling/reconstruction.hpp>
 #include <protostar/sampling/samplers.hpp>
 #include <stdexcept>
@@ -207,6 +210,37 @@ void check_passes(const PassTexts& texts, const Options& options) {
     throw UsageError("--pixel excludes --error, --time, --noise and --clamp; --samples N sets the samples");
 }
 
+/// Refuses an error that cannot be promised for as many pixels as are drawn, by the option that asks for it
+/// or for these pixels. If neither is given, throws std::runtime_error about the scene file.
+void check_promise(const PassTexts& texts, const Options& options, std::string_view crop,
+                   std::string_view size, const std::string& scene) {
+  using protostar::PictureError, protostar::ExactSum;
+  const protostar::Tile drawn = options.drawn();
+  if (options.error > 0 && !options.every_pixel && drawn.pixel_count() < PictureError::fewest_pixels) {
+    const std::string takes = "it takes at least " + std::to_string(PictureError::fewest_pixels) +
+                              " pixels, or --every-pixel",
+                      for_these = "possible for " + std::to_string(drawn.width()) + "x" +
+                                  std::to_string(drawn.height()) + " pixels: " + takes,
+                      with_that = "possible with the scene's error: " + takes;
+    if (!texts.error.empty()) refuse("--error", texts.error, for_these);
+    if (!crop.empty()) refuse("--crop", crop, with_that);
+    if (!size.empty()) refuse("--size", size, with_that);
+    throw std::runtime_error(scene + ": /settings/error: " + protostar::shown(options.error) + " is not " +
+                             for_these);
+  }
+  if (!options.every_pixel) return;
+  if (!(options.error > ExactSum::largest_rounding))
+    throw UsageError("--every-pixel", "an error of " + protostar::shown(options.error) +
+                                          " is not greater than 2^-48 (3.6e-15), below which light counts "
+                                          "as black");
+  const double least = protostar::EveryPixel(options.error, options.clamp, drawn).least_samples();
+  if (least > options.max_samples)
+    throw UsageError("--every-pixel", "an error of " + protostar::shown(options.error) + " with --clamp " +
+                                          texts.clamp + " takes at least " + protostar::shown(least) +
+                                          " samples, more than the " + std::to_string(options.max_samples) +
+                                          " that --max-samples allows");
+}
+
 /// Refuses the sampler without chance for an integrator that draws by chance.
 void check_sampler(const Options& options) {
   if (options.sampler == "hammersley" && protostar::draws_by_chance(options.integrator))
@@ -217,11 +251,6 @@ void check_sampler(const Options& options) {
 /// Seconds after which `render` gives up a scene file, for each pixel of the picture. Scene files allow 2^22
 /// rays through a pixel, and a few microseconds for each of them are common.
 constexpr double seconds_a_pixel = 10;
-
-double pixels_drawn(const Options& options) {
-  return options.draws_more() ? 1.0 * options.crop.width * options.crop.height
-                              : 1.0 * options.width * options.height;
-}
 
 ShardNumber read_shard(std::string_view text) {
   try {
@@ -426,13 +455,14 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.exposure = settings.exposure;
     check_sampler(options);
     check_passes(passes, options);
+    check_promise(passes, options, crop, size, scene);
     check_sums(options);
     if (options.shard || !options.checkpoint.empty())
       options.scene = settings.fingerprint ? settings.fingerprint() : program;
     if (line.given("--timeout"))
       options.timeout = own_timeout;
     else if (of_scene)
-      options.timeout = seconds_a_pixel * pixels_drawn(options);
+      options.timeout = seconds_a_pixel * static_cast<double>(options.drawn().pixel_count());
     return options;
   } catch (const UsageError& error) {
     print_usage_error(program, error);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <optional>
 #include <protostar/encode.hpp>
+#include <protostar/image.hpp>
 #include <protostar/io/read_options.hpp>
 #include <protostar/render_options.hpp>
 #include <protostar/tone.hpp>
@@ -64,6 +65,12 @@ struct Options {
   /// the picture sets the scale of the part, or the stage does not draw parts.
   [[nodiscard]] bool draws_more() const {
     return crop.width > 0 && (fills_whole || (tone == protostar::Tone::scale_image && !is_linear()));
+  }
+
+  /// Returns the pixels that are drawn, from the upper left one on.
+  [[nodiscard]] protostar::Tile drawn() const {
+    return draws_more() ? protostar::Tile{0, 0, crop.width, crop.height}
+                        : protostar::Tile{0, 0, width, height};
   }
 
   /// Returns true if the picture is drawn in passes, which tell its error.

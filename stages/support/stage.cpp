@@ -27,8 +27,10 @@
 #include <system_error>
 #include <utility>
 
+#include "command_line.hpp"
 #include "interrupt.hpp"
 #include "message.hpp"
+#include "option_values.hpp"
 #include "picture_file.hpp"
 
 using namespace protostar;
@@ -136,10 +138,7 @@ void Stage::set_passes(RenderOptions& options) {
   options.report = &report_;
   if (!options_.noise.empty()) options.standard_error = &standard_error_;
   if (options_.every_pixel) {
-    const bool draws_more = options_.draws_more();
-    const EveryPixel price(options_.error, options_.clamp,
-                           {0, 0, draws_more ? options_.crop.width : options_.width,
-                            draws_more ? options_.crop.height : options_.height});
+    const EveryPixel price(options_.error, options_.clamp, options_.drawn());
     print("every pixel to within " + shown(options_.error) + " takes at least " +
           shown(price.least_samples()) + " samples in each");
   }
@@ -298,6 +297,9 @@ int run_program(int argc, char** argv,
     }
     flush(stdout, "standard output");
     return status;
+  } catch (const UsageError& error) {  // that only the scene tells
+    print_usage_error(program, error);
+    return 2;
   } catch (const std::bad_alloc&) {
     print_error(program, "not enough memory for an image of this size");
   } catch (const std::exception& error) {
