@@ -220,7 +220,10 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       not_allowed("/lights/0", "{}", light),
       {without("/lights/0/intensity"), R"(/lights/0: {"position":[0,3,0]} is not )" + light},
       {without("/lights/0/position"), R"(/lights/0: {"intensity":[1,2,3]} is not )" + light},
-      unknown("/lights/0/color", "position, direction, intensity, power, angle, fade and ambient"),
+      unknown("/lights/0/color", "position and intensity"),
+      {replacing("/lights/0", R"({"position": [0,0,0], "color": 1})"),
+       "/lights/0/color: is not a key here; allowed are position, direction, intensity, power, angle, fade "
+       "and ambient"},
       unknown("/lights/1/intensity", "position and power"),
       not_allowed("/lights/1/power/0", "-1", factor),
       not_allowed("/lights/2/direction", "[0,0,0]", direction),
@@ -256,7 +259,9 @@ TEST_CASE("an error in a scene file is reported with its place, what was found a
       {scene_with("/materials/red/roughness", "1.1"), "/materials/red/roughness: 1.1 is not " + share},
       {scene_with("/materials/red/roughness", "\"smooth\""),
        "/materials/red/roughness: \"smooth\" is not " + share},
-      unknown("/materials/squares/diffuse/colors", "checker, image and size"),
+      unknown("/materials/squares/diffuse/colors", "checker and size"),
+      {replacing("/materials/squares/diffuse", R"({"colors": 1})"),
+       "/materials/squares/diffuse/colors: is not a key here; allowed are checker, image and size"},
       missing("/materials/squares/diffuse/checker", "an array of two colors, and there is no image"),
       missing("/materials/squares/diffuse/size", above_0),
       not_allowed("/materials/squares/diffuse/size", "0", above_0),
@@ -481,6 +486,17 @@ TEST_CASE("an error in a nested surface of a scene file is reported with its pla
        R"(/operation: nothing is not "union", "intersection" or "difference")");
   says(R"({"type":"csg","operands":[]})",
        "/operands: is not a key here; allowed are type, operation, surfaces and velocity");
+  // A part does not move, and is not told that it could.
+  const std::string in_part = "possible in a part of another surface: it is the whole surface that moves";
+  const std::string part = R"({"type":"csg","operation":"union","surfaces":[)" + ball_in_json + "],";
+  says(csg("\"union\"", R"([{"type":"sphere","center":[0,0,0],"radius":1}])"),
+       "/surfaces/0/center: is not a key here; allowed are type, position and radius");
+  says(csg("\"union\"", "[" + part + R"("operands":[]}])"),
+       "/surfaces/0/operands: is not a key here; allowed are type, operation and surfaces");
+  says(csg("\"union\"", "[" + part + R"("velocity":[1,0,0]}])"),
+       "/surfaces/0/velocity: [1,0,0] is not " + in_part);
+  says(R"({"type":"instance","surface":{"type":"sphere","velocity":[1,0,0]}})",
+       "/surface/velocity: [1,0,0] is not " + in_part);
 
   const auto instance = [](const std::string& placement) {
     return R"({"type":"instance","surface":)" + ball_in_json + "," + placement + "}";
@@ -493,6 +509,8 @@ TEST_CASE("an error in a nested surface of a scene file is reported with its pla
        "/shear: is not a key here; allowed are type, surface, matrix, scale, rotate, translate and velocity");
   says(instance(R"("matrix":[],"scale":1)"),
        "/scale: is not a key here; allowed are type, surface, matrix and velocity");
+  says(instance(R"("scale":1,"shear":1)"),
+       "/shear: is not a key here; allowed are type, surface, scale, rotate, translate and velocity");
   says(instance(R"("matrix":[])"), "/matrix: [] is not an array of three rows");
   says(instance(R"("matrix":[[1,0,0,0],[0,1,0],[0,0,1,0]])"),
        "/matrix/1: [0,1,0] is not a row, an array of four numbers");

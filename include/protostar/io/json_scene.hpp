@@ -81,9 +81,11 @@ inline ImageTexture placed_image(const JsonCursor& at,
 
 inline Texture texture_at(const JsonCursor& at) {
   if (at.has("image")) return placed_image(at, light_at);
-  at.with_keys({"checker", "image", "size"});
-  if (!at.has("checker")) at["checker"].refuse("an array of two colors, and there is no image");
-  const JsonCursor colors = at["checker"].with_size(2, "an array of two colors");
+  if (!at.has("checker"))
+    at.with_keys({"checker", "image", "size"})["checker"].refuse(
+        "an array of two colors, and there is no image");
+  const JsonCursor colors =
+      at.with_keys({"checker", "size"})["checker"].with_size(2, "an array of two colors");
   return Checker{.first = colors[0].color(), .second = colors[1].color(), .size = at["size"].size()};
 }
 
@@ -155,11 +157,13 @@ inline void add_light(const JsonCursor& at, SceneFile& file) {
     at.with_keys({"position", "power"});
     file.scene.add(PointLight{.position = at["position"].point(), .power = at["power"].color()});
   } else {
-    at.with_keys({"position", "direction", "intensity", "power", "angle", "fade", "ambient"});
+    if (!at.has("intensity"))
+      at.with_keys({"position", "direction", "intensity", "power", "angle", "fade", "ambient"});
     if (!at.has("position") || !at.has("intensity"))
       at.refuse(
           "a light: position and power; position and intensity; direction and intensity; position, "
           "direction, angle and power; or ambient");
+    at.with_keys({"position", "intensity"});
     file.scene.add(ConstantLight{.position = at["position"].point(), .intensity = at["intensity"].color()});
   }
 }

@@ -42,25 +42,36 @@
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
 
-/// Refuses all but an object without other keys than these and that of any surface; returns the cursor
-/// itself.
-inline const JsonCursor& with_surface_keys(const JsonCursor& at, std::vector<std::string_view> allowed) {
-  allowed.push_back("velocity");
-  return at.with_keys(allowed);
-}
+/// Place of a surface: of an object, which may move, or of a part of another surface.
+struct SurfaceCursor : JsonCursor {
+  bool is_part = false;
 
-inline Sphere sphere_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "position", "radius"});
+  explicit SurfaceCursor(const JsonCursor& at, bool as_part = false) : JsonCursor(at), is_part(as_part) {}
+
+  /// Refuses all but an object without other keys than these and those of any surface; returns the cursor
+  /// itself.
+  const SurfaceCursor& with_keys(std::vector<std::string_view> allowed) const {
+    if (is_part && has("velocity"))
+      (*this)["velocity"].refuse("possible in a part of another surface: it is the whole surface that moves");
+    allowed.insert(allowed.begin(), "type");
+    if (!is_part) allowed.push_back("velocity");
+    JsonCursor::with_keys(allowed);
+    return *this;
+  }
+};
+
+inline Sphere sphere_at(const SurfaceCursor& at) {
+  at.with_keys({"position", "radius"});
   return {.center = at["position"].point(), .radius = at["radius"].size()};
 }
 
-inline Plane plane_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "normal", "distance"});
+inline Plane plane_at(const SurfaceCursor& at) {
+  at.with_keys({"normal", "distance"});
   return {.normal = at["normal"].direction(), .distance = at["distance"].coordinate()};
 }
 
-inline Parallelogram parallelogram_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "position", "edges"});
+inline Parallelogram parallelogram_at(const SurfaceCursor& at) {
+  at.with_keys({"position", "edges"});
   const JsonCursor edges = at["edges"].with_size(2, "an array of two vectors");
   const Parallelogram board{
       .position = at["position"].point(), .edge_u = edges[0].point(), .edge_v = edges[1].point()};
@@ -68,8 +79,8 @@ inline Parallelogram parallelogram_at(const JsonCursor& at) {
   return board;
 }
 
-inline Triangle triangle_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "points"});
+inline Triangle triangle_at(const SurfaceCursor& at) {
+  at.with_keys({"points"});
   const JsonCursor points = at["points"].with_size(3, "an array of three points");
   const Triangle triangle{.a = points[0].point(), .b = points[1].point(), .c = points[2].point()};
   at["points"].checked([&] { triangle.validate(); });
@@ -77,8 +88,8 @@ inline Triangle triangle_at(const JsonCursor& at) {
 }
 
 #if defined(PROTOSTAR_READS_MESHES)
-inline Mesh mesh_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "file", "position", "scale"});
+inline Mesh mesh_at(const SurfaceCursor& at) {
+  at.with_keys({"file", "position", "scale"});
   const Vec3 position = at.has("position") ? at["position"].point() : Vec3{0};
   const double scale = at.has("scale") ? at["scale"].size() : 1;
   const NamedFile file = at["file"].named_file();
@@ -100,7 +111,7 @@ inline Mesh mesh_at(const JsonCursor& at) {
   return *placed->second;
 }
 #else
-inline Sphere mesh_at(const JsonCursor& at) {
+inline Sphere mesh_at(const SurfaceCursor& at) {
   return at["file"].checked([]() -> Sphere {
     throw std::runtime_error(
         "this program was built without tinyobjloader, which reads meshes (Debian: libtinyobjloader-dev)");
@@ -108,22 +119,22 @@ inline Sphere mesh_at(const JsonCursor& at) {
 }
 #endif
 
-inline Box box_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "min", "max"});
+inline Box box_at(const SurfaceCursor& at) {
+  at.with_keys({"min", "max"});
   const Box box{.min = at["min"].point(), .max = at["max"].point()};
   at["max"].checked([&] { box.validate(); });
   return box;
 }
 
-inline Disk disk_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "position", "normal", "radius"});
+inline Disk disk_at(const SurfaceCursor& at) {
+  at.with_keys({"position", "normal", "radius"});
   return {.position = at["position"].point(),
           .normal = at["normal"].direction_of_any_length(),
           .radius = at["radius"].size()};
 }
 
-inline Quadric quadric_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "matrix"});
+inline Quadric quadric_at(const SurfaceCursor& at) {
+  at.with_keys({"matrix"});
   const std::string allowed = "a symmetric matrix, an array of four rows of four numbers";
   const JsonCursor rows = at["matrix"].with_size(4, allowed);
   double m[4][4] = {};
@@ -143,8 +154,8 @@ inline Quadric quadric_at(const JsonCursor& at) {
   return quadric;
 }
 
-inline Torus torus_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "position", "axis", "radius", "tube"});
+inline Torus torus_at(const SurfaceCursor& at) {
+  at.with_keys({"position", "axis", "radius", "tube"});
   const Torus torus{.center = at["position"].point(),
                     .axis = at.has("axis") ? at["axis"].direction_of_any_length() : Vec3{0, 1, 0},
                     .radius = at["radius"].size(),
@@ -155,8 +166,8 @@ inline Torus torus_at(const JsonCursor& at) {
 
 /// Reads the surface of a field. Its Lipschitz constant is derived by fewer evaluations if each takes longer:
 /// some hundredths of a second for the whole.
-inline Marched<fields::Field> marched_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "field", "bounds"});
+inline Marched<fields::Field> marched_at(const SurfaceCursor& at) {
+  at.with_keys({"field", "bounds"});
   const fields::Field field = field_at({at["field"]});
   const Bounds bounds = bounds_of_field(at, field);
   const int evaluations = static_cast<int>(std::clamp<std::size_t>(16'384 / field.size(), 64, 2048));
@@ -168,8 +179,8 @@ AnySurface surface_at(const JsonCursor& at);
 /// Returns the solid of a value: an operation on solids, or one closed surface.
 inline Csg solid_at(const JsonCursor& at);
 
-inline Csg csg_at(const JsonCursor& at) {
-  with_surface_keys(at, {"type", "operation", "surfaces"});
+inline Csg csg_at(const SurfaceCursor& at) {
+  at.with_keys({"operation", "surfaces"});
   using Operation = Csg::Operation;
   const auto operation = at["operation"].one_of<Operation>({{"union", Operation::either},
                                                             {"intersection", Operation::all},
@@ -188,7 +199,7 @@ inline Csg csg_at(const JsonCursor& at) {
 }
 
 inline Csg solid_at(const JsonCursor& at) {
-  if (at.has("type") && at["type"].is("csg")) return csg_at(at);
+  if (at.has("type") && at["type"].is("csg")) return csg_at(SurfaceCursor(at, true));
   AnySurface surface = surface_at(at);
   try {
     // Csg tests whether the surface is a solid. A test before it would visit all edges of a mesh once more.
@@ -210,9 +221,12 @@ inline Affine matrix_at(const JsonCursor& at) {
   return map;
 }
 
-inline Affine placement_at(const JsonCursor& at) {
-  if (at.has("matrix")) return matrix_at(with_surface_keys(at, {"type", "surface", "matrix"})["matrix"]);
-  with_surface_keys(at, {"type", "surface", "matrix", "scale", "rotate", "translate"});
+inline Affine placement_at(const SurfaceCursor& at) {
+  if (at.has("matrix")) return matrix_at(at.with_keys({"surface", "matrix"})["matrix"]);
+  if (at.has("scale") || at.has("rotate") || at.has("translate"))
+    at.with_keys({"surface", "scale", "rotate", "translate"});
+  else
+    at.with_keys({"surface", "matrix", "scale", "rotate", "translate"});
   Affine map;
   if (at.has("scale")) {
     const JsonCursor scale = at["scale"];
@@ -227,7 +241,7 @@ inline Affine placement_at(const JsonCursor& at) {
   return map;
 }
 
-inline Instance<> instance_at(const JsonCursor& at) {
+inline Instance<> instance_at(const SurfaceCursor& at) {
   const Affine placement = placement_at(at);
   at[at.has("matrix") ? "matrix" : "scale"].checked([&] {
     if (!AffineInverse(placement).exists())
@@ -247,14 +261,14 @@ template <auto some_surface_at>
 inline constexpr SurfaceReader read_by{
     .add =
         [](const JsonCursor& at, const Material& material, SceneFile& file) {
-          const auto surface = some_surface_at(at);
+          const auto surface = some_surface_at(SurfaceCursor(at));
           if (!at.has("velocity")) return at.checked([&] { file.scene.add(surface, material); });
           const Vec3 velocity = at["velocity"].point();
           at.checked([&] {
             file.scene.add(AnySurface(Moving<>(surface, velocity, file.camera.shutter)), material);
           });
         },
-    .make = [](const JsonCursor& at) -> AnySurface { return some_surface_at(at); }};
+    .make = [](const JsonCursor& at) -> AnySurface { return some_surface_at(SurfaceCursor(at, true)); }};
 
 inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_types{
     {"sphere", read_by<sphere_at>},
@@ -272,10 +286,6 @@ inline const std::vector<std::pair<std::string_view, SurfaceReader>> surface_typ
 };
 
 /// Returns a surface of any type, to be held by another.
-inline AnySurface surface_at(const JsonCursor& at) {
-  if (at.has("velocity"))
-    at["velocity"].refuse("possible in a part of another surface: it is the whole surface that moves");
-  return at["type"].one_of(surface_types).make(at);
-}
+inline AnySurface surface_at(const JsonCursor& at) { return at["type"].one_of(surface_types).make(at); }
 
 }  // namespace protostar::inline PROTOSTAR_ABI::detail
