@@ -49,7 +49,56 @@ double seen_of_disk(double s) {
   return 0.5 + (s * std::sqrt(1 - s * s) + std::asin(s)) / std::numbers::pi;
 }
 
+/// A sphere that counts how often it tells its distance.
+struct AskedSphere {
+  Sphere sphere;
+  static inline int asked = 0;
+
+  std::optional<double> intersect(const Ray& ray, Interval range) const {
+    return sphere.intersect(ray, range);
+  }
+  Vec3 normal_at(Point p) const { return sphere.normal_at(p); }
+  Bounds bounds() const { return sphere.bounds(); }
+  double distance_bound(const Point& p) const {
+    ++asked;
+    return sphere.distance_bound(p);
+  }
+};
+
 }  // namespace
+
+TEST_CASE("the distance from a scene is the least of all, and surfaces surely farther are not asked") {
+  Random random(25);
+  WrongCases wrong(random);
+  int asked = 0, all = 0;
+  for (int round = 0; round < 20; ++round) {
+    Scene<Plane, AskedSphere, Box, Marched<decltype(marched_ball)>> scene;
+    scene.add(Plane{.normal = {0, 1, 0}, .distance = -1}, Color{0.5f});
+    scene.add(Marched{marched_ball, around_both}, Color{0.5f});
+    for (int i = 0; i < 10; ++i) {
+      const Point at = random.point(5), low = random.point(5);
+      scene.add(AskedSphere{{at, random.real(0.1, 1)}}, Color{0.5f});
+      scene.add(Box{low, low + Vec3{random.real(0.1, 2)}}, Color{0.5f});
+    }
+    const SceneDistances distances(scene, "test");
+    for (int i = 0; i < 500; ++i) {
+      // Anywhere, or on a surface.
+      const auto& one = scene.surfaces<AskedSphere>()[static_cast<std::size_t>(i % 10)].sphere;
+      const Point p = i % 2 ? random.point(8) : one.center + one.radius * random.direction();
+      double least = infinity;
+      const auto add = [&](const auto& surfaces) {
+        for (const auto& surface : surfaces) least = std::min(least, surface.distance_bound(p));
+      };
+      add(scene.surfaces<Plane>()), add(scene.surfaces<AskedSphere>()), add(scene.surfaces<Box>());
+      add(scene.surfaces<Marched<decltype(marched_ball)>>());
+      AskedSphere::asked = 0;
+      wrong.add(distances.distance_bound(p) != least, p, least);
+      asked += AskedSphere::asked, all += 10;
+    }
+  }
+  CHECK(wrong == 0);
+  CHECK(asked < all / 3);
+}
 
 TEST_CASE("the heat map shows the evaluations that single rays take to their closest hit") {
   const AnyScene scene = marched_and_floor();
