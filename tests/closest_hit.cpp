@@ -4,7 +4,10 @@
 #include <protostar/surfaces/sphere.hpp>
 #include <vector>
 
+#include <protostar/accel/render_tiles.hpp>
+
 #include "support/catch.hpp"
+#include "support/pictures.hpp"
 #include "support/random.hpp"
 
 using namespace protostar;
@@ -107,4 +110,40 @@ TEST_CASE("a ray that leaves a sphere counts as starting on it, however far its 
   SurfaceCrossing first;
   CHECK(search_closest_hit(spheres, materials, along, Interval{}, first) == infinity);
   CHECK(first.surface == nullptr);
+}
+
+namespace {
+
+/// Shows how far the exact root of a hit is from 5: the number of the root must be right.
+struct RefinedRoot : FirstHit<RefinedRoot> {
+  using ShadesEachHit = RefinedRoot;
+
+  [[nodiscard]] Color shade(const Intersection& hit, const auto&) const {
+    return Color{static_cast<float>(0x1p25 * (hit.refined() - 5))};
+  }
+};
+
+}  // namespace
+
+TEST_CASE("the closest hits of a packet know which root of their sphere they are, also after a doubt") {
+  const Sphere around{.radius = 9},
+      in_front{{0.5, 0, 4}, 0.25};  // rays leave the first, and enter the others
+  const Sphere behind{{-0.5, 0, 6}, 0.25}, grazed{{1, 0, 5}, 1 + 0x1p-50};  // grazed by the middle ray alone
+  const auto check = [](std::initializer_list<Sphere> spheres, const char* what) {
+    CAPTURE(what);
+    Scene<Sphere> scene;
+    for (const Sphere& sphere : spheres) scene.add(sphere, Color{1});
+    const RefinedRoot integrator;
+    RenderStatistics statistics;
+    Image plain(65, 49), tiled(65, 49);
+    render(plain, Camera{}, [&](const Ray& ray) { return integrator.radiance(ray, scene); });
+    render(tiled, Camera{}, scene, integrator, {.statistics = &statistics});
+    CHECK(different_pixels(plain, tiled) == 0);
+    return statistics.in_doubt;
+  };
+  check({around, in_front}, "a near root after a far one");
+  check({in_front, around}, "a far root after a near one");
+  CHECK(check({around, around, in_front}, "a far root after a doubt") > 1000);
+  CHECK(check({around, grazed}, "a near root after a doubt") > 0);
+  CHECK(check({grazed, around, behind}, "a near root after a doubt, before a far one") > 0);
 }

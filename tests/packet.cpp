@@ -115,9 +115,10 @@ void compare(const S& surface, const auto& rays, Random& random, Comparison& tal
         tally.in_doubt += has(first.in_doubt, i) + has(crossed.in_doubt, i);
       }
       if (!has(first.in_doubt, i))
-        tally.wrong.add(
-            has(first.met, i) != expected.has_value() || (expected && !same_bits(first.t[i], expected->t)),
-            surface, rays[i], range, first.t[i]);
+        tally.wrong.add(has(first.met, i) != expected.has_value() ||
+                            (expected && !(same_bits(first.t[i], expected->t) &&
+                                           has(first.is_far, i) == (expected->root == 1))),
+                        surface, rays[i], range, first.t[i]);
       if (!has(crossed.in_doubt, i))
         tally.wrong.add(has(crossed.crossed, i) != expected.has_value(), surface, rays[i], range);
     }
