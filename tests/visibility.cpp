@@ -77,3 +77,22 @@ TEST_CASE("a ray of a block sees first what float tells, or one of the two that 
   CHECK(sure > cases(2'000, 10'000, 10'000));
   CHECK(of_two > cases(20, 100, 100));
 }
+
+TEST_CASE("lists of candidates end with room for the vector of their last surface, and with no more") {
+  // The sanitizers see what is read or written behind it: each list here has the memory that it asks for.
+  const PixelRays rays(Camera{}, PixelGrid(8, 8), 8, 8);
+  const simd::Frustum frustum(rays, {0, 0, 8, 8});
+  for (int n = 1; n <= 3 * simd::float_lanes; ++n) {
+    const std::vector<Sphere> spheres(static_cast<std::size_t>(n), Sphere{{0, 0, 5}, 1});
+    const simd::Candidates all = candidates_of(spheres, rays.viewpoint());
+    simd::Candidates seen, seen_again;
+    seen.add(all, frustum);
+    CHECK(seen.size() == n);
+    seen.sort(simd::Candidates::Order::near_to_far);
+    seen_again.add(seen, frustum);
+    CHECK(seen_again.size() == n);
+    simd::CandidatePositions found;
+    seen_again.find(frustum, found);
+    CHECK(found.size() == n);
+  }
+}

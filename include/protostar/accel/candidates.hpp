@@ -44,7 +44,7 @@ class CandidatePositions {
   /// Adds position + k for each bit k that is set, above all positions so far.
   void add(int position, Bits some) {
     const auto needed = static_cast<std::size_t>(size_ + float_lanes);
-    if (positions_.size() < needed) positions_.resize(2 * needed);
+    if (positions_.size() < needed) positions_.resize(needed);
     size_ += store_chosen(positions_.data() + size_, some,
                           WideIndices(position) + iota<std::int32_t, float_lanes>());
   }
@@ -278,9 +278,10 @@ class Candidates {
     move(index_, sorted_);
   }
 
-  /// Makes room for count surfaces, and for the lanes that a store of a whole vector writes behind them.
+  /// Makes room for count ≥ 1 surfaces, and for the lanes that loads and stores of a whole vector, from the
+  /// last surface on, have behind it.
   void make_room(int count) {
-    const std::size_t needed = slot(count + float_lanes);
+    const std::size_t needed = slot(count + float_lanes - 1);
     if (index_.size() >= needed) return;
     const std::size_t room = std::max(needed, 2 * index_.size());
     for (auto& row : rows_) row.resize(room, 0);

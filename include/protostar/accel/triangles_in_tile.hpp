@@ -42,8 +42,9 @@ class TrianglesInTile {
 
   [[nodiscard]] bool is_drawn() const { return usable_; }
 
-  /// Visibility for the rays of a packet, from a pixel on to the right: lanes that surely hit, with the entry
-  /// of the closest triangle for t() and primitive(), and lanes in doubt, which may hit.
+  /// Visibility for the rays of a packet, from a pixel on to the right that is a multiple of double_lanes
+  /// from the left of the tile: lanes that surely hit, with the entry of the closest triangle for t() and
+  /// primitive(), and lanes in doubt, which may hit.
   struct Seen {
     LaneMask met, in_doubt;
     Indices which = -1;
@@ -87,6 +88,7 @@ class TrianglesInTile {
   static constexpr int most_a_pixel = 8, most_tried_a_pixel = 32;
 
   static constexpr int side = PixelBlock::side;
+  static_assert(side % double_lanes == 0);  // so that packets end in their row
   static constexpr std::int32_t nothing = -1,
                                 in_doubt = -2;  ///< entries without a triangle
 
@@ -255,7 +257,7 @@ class TrianglesInTile {
   Tile tile_{};
   bool usable_ = false;
   std::array<Block, PixelBlock::in_tile> blocks_;
-  std::array<std::int32_t, side * side + double_lanes> seen_{};  ///< with room for reads behind the last
+  std::array<std::int32_t, side * side> seen_{};
   std::vector<Planes> drawn_;  ///< indexed by `nearest`, one entry for each double_lanes triangles
 };
 
