@@ -85,11 +85,13 @@ void look_at(const fs::path& path, const std::string& text, Vocabulary& allowed,
     json wrong = scene;
     wrong[json::json_pointer(pointer)]["?"] = 0;
     std::set<std::string> keys = list_after(wrong, "/?: is not a key here; allowed are ");
-    // Objects that may have the same keys are one kind of place, as all spheres are. Lights are one kind
-    // together, since the keys that one may have depend on those that it has.
+    // Objects that may have the same keys are one kind of place, as all spheres are, also those that cannot
+    // move, as they are parts of other surfaces. Lights are one kind together, since the keys that one may
+    // have depend on those that it has.
     std::string kind = kind_of(pointer);
     if (kind != "/lights/*")
-      for (const std::string& key : keys) kind += ' ' + key;
+      for (const std::string& key : keys)
+        if (key != "velocity") kind += ' ' + key;
     allowed[kind].merge(keys);
     for (const auto& [key, value] : scene[json::json_pointer(pointer)].items()) used[kind].insert(key);
   }
