@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -76,7 +77,7 @@ struct Series {
   Paint paint;
 };
 
-/// Lines on two logarithmic axes.
+/// Lines on two logarithmic axes. drawn() throws std::logic_error if a point is outside of them.
 struct LineChart {
   std::string title, to_the_right, upwards;
   std::vector<double> ticks_right, ticks_up;
@@ -115,7 +116,12 @@ struct LineChart {
     double legend = bottom - 22.0 * static_cast<double>(series.size()) + 10;
     for (const auto& [words, points, paint] : series) {
       std::vector<Place> places;
-      for (const Place& point : points) places.push_back(at(point));
+      for (const Place& point : points) {
+        if (point.x < ticks_right.front() || ticks_right.back() < point.x || point.y < ticks_up.front() ||
+            ticks_up.back() < point.y)
+          throw std::logic_error(title + ": a point of " + words + " is outside of the axes");
+        places.push_back(at(point));
+      }
       drawing.polyline(places, paint, Stroke::bold);
       for (const Place& place : places) drawing.circle(place, 4, paint, Fill::full);
       if (has_legend) {

@@ -133,7 +133,7 @@ std::string error(const std::string& folder) {
   LineChart chart{.title = "Error of a picture against its time",
                   .to_the_right = "ms for a picture; each point has more pixels or samples",
                   .upwards = "error of light, RMS",
-                  .ticks_right = {0.01, 0.1, 1, 10, 100, 1000},
+                  .ticks_right = {0.01, 0.1, 1, 10, 100, 1000, 10000},
                   .ticks_up = {0.0001, 0.001, 0.01, 0.1},
                   .series = {},
                   .has_legend = true};
