@@ -40,7 +40,7 @@ struct SurfaceFunctions {
   ExactRoot (*exact_root)(const void* surface, const Ray& ray, const Crossing& crossing);
 };
 
-/// What is the same at all points of a surface, computed once for a picture.
+/// Properties that are the same at all points of a surface, computed once for a picture.
 struct SurfaceConstants {
   std::optional<Departure> departure;  ///< none for a surface made of primitives, which have one each
   std::optional<Vec3> normal;          ///< unit normal; none for a surface that is not flat (is_flat)

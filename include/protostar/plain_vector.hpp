@@ -20,8 +20,8 @@ class PlainMemory {
  public:
   PlainMemory(std::size_t element, std::size_t alignment)
       : element_(element), alignment_(static_cast<std::uint32_t>(alignment)) {}
-  // What copies, moves and frees is not inlined, as it takes more code than all else that a caller does with
-  // the vector.
+  // Functions that copy, move or free are not inlined, as they take more code than all else that a caller
+  // does with the vector.
   [[gnu::noinline]] PlainMemory(const PlainMemory& other)
       : element_(other.element_), alignment_(other.alignment_) {
     assign(other);

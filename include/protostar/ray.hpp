@@ -160,7 +160,7 @@ struct CopiedLine {
 };
 
 /// Tests whether the square of a direction neither underflows nor takes products with it out of the range of
-/// double. Without a branch, so that a loop over surfaces computes it once for a ray.
+/// double. It has no branch, so that a loop over surfaces computes it once for a ray.
 template <class T>
 [[nodiscard, gnu::always_inline]] inline auto is_moderate_square(const T& A) {
   const auto is_large = 0x1p-150 < A, is_small = A < 0x1p150;

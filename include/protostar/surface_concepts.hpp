@@ -107,7 +107,7 @@ concept SurfaceWithEquation = Surface<S> &&
   { surface.is_left_by(ray) } -> std::same_as<bool>;
 };
 
-/// Surface whose equation takes much that all rays have in common: prepared() computes it, and returns an
+/// Surface whose equation has terms that are the same for all rays: prepared() computes these, and returns an
 /// object with the same equation(rays) for rays in double.
 template <class S>
 concept PreparedSurface = SurfaceWithEquation<S> && requires(const S& surface, const Ray& ray) {

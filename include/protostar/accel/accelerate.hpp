@@ -91,7 +91,7 @@ class Accelerated<Scene<S...>> {
   }
 
   /// Returns the constants of the k-th surface of the scene, valid as long as this view; null if the scene
-  /// has more than few_surfaces surfaces, whose constants take more memory than time.
+  /// has more than few_surfaces surfaces, for which none are computed.
   [[nodiscard]] const SurfaceConstants* constants(std::size_t k) const {
     return scene_->size() <= simd::few_surfaces ? &constants_[k] : nullptr;
   }
@@ -251,7 +251,7 @@ class Accelerated<Scene<S...>> {
   struct PreparedAll {};
   template <PreparedSurface T>
   struct PreparedAll<T> {
-    std::vector<typename T::Prepared> all;
+    std::vector<decltype(std::declval<const T&>().prepared())> all;
   };
   struct PreparedOfTypes : PreparedAll<S>... {};
 
@@ -262,8 +262,8 @@ class Accelerated<Scene<S...>> {
   /// Sets of coinciding surfaces, by the index in the scene's order of the surface that is left; all 0 if the
   /// scene has more than few_surfaces.
   std::array<simd::Bits, simd::few_surfaces> departed_together_{};
-  std::array<SurfaceConstants, simd::few_surfaces> constants_{};  ///< in the scene's order, as these sets
-  PreparedOfTypes prepared_;                                      ///< empty as well, if it has more
+  std::array<SurfaceConstants, simd::few_surfaces> constants_{};  ///< by the same index
+  PreparedOfTypes prepared_;                                      ///< empty if the scene has more
 };
 
 /// Returns an accelerated view of a scene, with the scene's answers in less time. Call it after the last

@@ -28,7 +28,7 @@ class TileHits {
  public:
   using State = TileState<S...>;
   static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< any type can be rasterized
-  static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);  ///< surfaces may have them
+  static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);  ///< a type may have them
 
   /// Type of Closest::primitive if no surface has primitives.
   struct Nothing {

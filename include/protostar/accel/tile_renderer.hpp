@@ -200,7 +200,7 @@ class TileRenderer {
   }
 
   /// Fills a part of at most 16 × 16 pixels with the radiance of each pixel's rays. A pixel has one sum in an
-  /// image and `scramblings` in a film, filled one after the other: sample i is of sum i mod their number.
+  /// image and `scramblings` in a film, filled one by one. Sample i belongs to sum i mod their number.
   void fill(const Tile& part, const Candidates& candidates, Work& work) const {
     View view = view_of(candidates, work);
     const PixelGrid& pixels = rays_.pixels();

@@ -42,8 +42,8 @@ template <class V>
 
 }  // namespace detail
 
-/// Edges u and v from a corner of a parallelogram or a triangle, or of several in lanes, and what the
-/// equation takes of them alone, which may be computed once for all lines.
+/// Edges u and v from a corner of a parallelogram or a triangle, or of several in lanes, and the terms of the
+/// equation that depend on the edges alone, so that they may be computed once for all lines.
 template <class Vector>
 struct CornerEdges {
   using Number = decltype(detail::sum_of(Vector()));

@@ -49,7 +49,7 @@ struct Parallelogram {
     return parallelogram_equation(rays, position, edge_u, edge_v);
   }
 
-  /// The same equation in double, with what all rays have in common computed in advance.
+  /// Equation in double whose terms that are the same for all rays are computed in advance.
   struct Prepared {
     Point position;
     CornerEdges<Vec3> edges;

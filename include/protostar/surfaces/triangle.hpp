@@ -54,7 +54,7 @@ struct Triangle {
     return triangle_equation(rays, a, b, c);
   }
 
-  /// The same equation in double, with what all rays have in common computed in advance.
+  /// Equation in double whose terms that are the same for all rays are computed in advance.
   struct Prepared {
     Point a;
     CornerEdges<Vec3> edges;
