@@ -109,6 +109,20 @@ int compare(const Scene<S...>& plain, Random& random, const Point& around, doubl
 /// Returns a color that identifies surface i.
 Color number(int i) { return Color{static_cast<float>(i)}; }
 
+/// A board as a user may write it: its prepared equation is of a type that is named elsewhere.
+struct PreparedBoard {
+  Parallelogram board;
+
+  std::optional<double> intersect(const Ray& ray, Interval range = {}) const {
+    return board.intersect(ray, range);
+  }
+  Vec3 normal_at(const Point& point) const { return board.normal_at(point); }
+  auto equation(const auto& rays) const { return board.equation(rays); }
+  bool is_left_by(const auto& rays) const { return board.is_left_by(rays); }
+  auto prepared() const { return board.prepared(); }
+};
+static_assert(PreparedSurface<PreparedBoard> && PreparedSurface<Parallelogram> && !PreparedSurface<Sphere>);
+
 }  // namespace
 
 TEST_CASE("an accelerated scene answers as the plain one does, bit for bit") {
@@ -472,6 +486,27 @@ TEST_CASE("an accelerated scene refuses to answer if surfaces were added to its 
   refuses("the scene had 1, 0 surfaces of its types when it was accelerated, and now has 0, 0");
   scene.add(Cylinder{}, Color{1});  // as many surfaces, of another type
   refuses("the scene had 1, 0 surfaces of its types when it was accelerated, and now has 0, 1");
+}
+
+TEST_CASE("a surface of a user's own has a prepared equation in an accelerated scene") {
+  const Parallelogram board{{-1, -1, 3}, {2, 0, 0}, {0, 2, 0.5}};
+  Scene<PreparedBoard> scene;
+  scene.add(PreparedBoard{board}, Color{1});
+  const auto accelerated = accelerate(scene);
+  REQUIRE(accelerated.equations<PreparedBoard>().size() == 1);
+  Random random(21);
+  int hits = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Ray ray{.direction = {random.real(-1, 1), random.real(-1, 1), 2}};
+    CHECK(accelerated.equations<PreparedBoard>()[0].equation(ray).height == board.equation(ray).height);
+    const auto hit = accelerated.intersect(ray);
+    const auto t = board.intersect(ray);
+    REQUIRE(hit.has_value() == t.has_value());
+    if (!t) continue;
+    ++hits;
+    CHECK(hit->t == *t);
+  }
+  CHECK((50 < hits && hits < 200));
 }
 
 TEST_CASE("an empty accelerated scene has no hits and occludes nothing") {
