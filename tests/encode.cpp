@@ -92,6 +92,30 @@ TEST_CASE("the codes of random light are those of the definition") {
     }
 }
 
+TEST_CASE("colors that are encoded together have the codes of each channel alone") {
+  Random random(15);
+  for (const Transfer& transfer : transfers)
+    for (const int max_code : {255, 65535}) {
+      INFO(name(transfer) << ", maximum " << max_code);
+      const Encoder encode(transfer, max_code);
+      std::vector<Color> light;
+      for (int i = 0; i < 1001; ++i) {
+        const auto channel = [&] { return static_cast<float>(random.real(-0.1, 1.1)); };
+        light.push_back({channel(), channel(), channel()});
+      }
+      light.push_back({std::numeric_limits<float>::quiet_NaN(), -0.0f, 1});
+      light.push_back({std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(), 0});
+      std::vector<std::uint16_t> codes(3 * light.size() + 1, 7);
+      encode(light.data(), static_cast<int>(light.size()), codes.data());
+      WrongCases wrong(random);
+      for (std::size_t i = 0; i < light.size(); ++i)
+        for (int k = 0; k < 3; ++k)
+          wrong.add(codes[3 * i + static_cast<std::size_t>(k)] != encode(light[i][k]), light[i][k]);
+      CHECK(wrong == 0);
+      CHECK(codes.back() == 7);
+    }
+}
+
 TEST_CASE("light of round values has the expected codes") {
   struct {
     Transfer transfer;

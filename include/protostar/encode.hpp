@@ -100,19 +100,34 @@ class Encoder {
       bins_[k] = {.first = begin < i ? thresholds_[begin] : std::numeric_limits<float>::infinity(),
                   .below = static_cast<std::uint16_t>(begin),
                   .inside = static_cast<std::uint16_t>(i - begin)};
+      is_searched_ |= i - begin > 1;
     }
   }
 
   [[nodiscard]] std::uint16_t operator()(float light) const {
-    const float x = std::min(std::max(darkest_, light), brightest_);  // darkest for NaN
+    const float x = bounded(light);
     const Bin& bin = bins_[bin_of(x) - first_bin_];
-    if (bin.inside > 1) return searched(bin, x);
-    return static_cast<std::uint16_t>(bin.below + (bin.first <= x));
+    return bin.inside > 1 ? searched(bin, x) : bin.code(x);
   }
 
   /// Returns the codes of red, green and blue.
   [[nodiscard]] std::array<std::uint16_t, 3> operator()(const Color& light) const {
     return {(*this)(light.r), (*this)(light.g), (*this)(light.b)};
+  }
+
+  /// Writes the codes of `count` colors from the first one on, three for each. Without bins that have several
+  /// thresholds, no value asks for them.
+  void operator()(const Color* light, int count, std::uint16_t* codes) const {
+    const auto write = [&](const auto& code) {
+      for (int i = 0; i < count; ++i, codes += 3)
+        codes[0] = code(light[i].r), codes[1] = code(light[i].g), codes[2] = code(light[i].b);
+    };
+    if (is_searched_) return write(*this);
+    const Bin* const bins = bins_.data();
+    write([&, first = first_bin_](float value) {
+      const float x = bounded(value);
+      return bins[bin_of(x) - first].code(x);
+    });
   }
 
   [[nodiscard]] std::uint16_t max_code() const { return static_cast<std::uint16_t>(thresholds_.size()); }
@@ -127,7 +142,15 @@ class Encoder {
     float first;           ///< first threshold inside the bin; infinity if there is none
     std::uint16_t below;   ///< number of thresholds below the bin
     std::uint16_t inside;  ///< number of thresholds inside the bin
+
+    /// Returns the code of a float in a bin with at most one threshold.
+    [[nodiscard]] std::uint16_t code(float light) const {
+      return static_cast<std::uint16_t>(below + (first <= light));
+    }
   };
+  [[nodiscard]] float bounded(float light) const {  // darkest for NaN
+    return std::min(std::max(darkest_, light), brightest_);
+  }
   static std::size_t bin_of(float light) { return detail::bit_cast<std::uint32_t>(light) >> 16; }
 
   /// Returns the code of a float in a bin by bisection, with conditional additions: a branch would be
@@ -163,6 +186,7 @@ class Encoder {
   // mispredicts.
   float darkest_ = 0, brightest_ = 1;  ///< the largest float whose code is 0; light above 1 is as 1
   std::size_t first_bin_ = 0;          ///< that of darkest_
+  bool is_searched_ = false;           ///< true if a bin has several thresholds
   PlainVector<float> thresholds_;      ///< thresholds of the codes from 1 on
   PlainVector<Bin> bins_;              ///< bins from first_bin_ up to the one of light 1
 };

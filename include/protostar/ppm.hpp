@@ -1,6 +1,7 @@
 // Images as PPM files (§2.2.2).
 #pragma once
 
+#include <algorithm>
 #include <charconv>
 #include <cstddef>
 #include <cstdint>
@@ -28,7 +29,7 @@ namespace detail {
 
 /// Decimal digits of a code with a tab behind them, so that a number is copied and not computed.
 struct DecimalText {
-  char characters[6]{};
+  char characters[7]{};
   std::uint8_t length = 0;
 };
 
@@ -42,6 +43,32 @@ inline PlainVector<DecimalText> decimal_texts(std::size_t count) {
     texts[code].length = static_cast<std::uint8_t>(end + 1 - begin);
   }
   return texts;
+}
+
+/// Writes the codes of `count` pixels as decimal numbers, a tab behind each and one more behind each pixel:
+/// at most 19 characters a pixel. May overwrite 6 more. Returns their end.
+inline char* write_decimals(const std::uint16_t* codes, int count, const PlainVector<DecimalText>& decimals,
+                            char* end) {
+  const DecimalText* const texts = decimals.data();
+  for (int i = 0; i < count; ++i, codes += 3) {
+    for (int channel = 0; channel < 3; ++channel) {
+      const DecimalText& text = texts[codes[channel]];
+      std::memcpy(end, text.characters, sizeof text.characters);
+      end += text.length;
+    }
+    *end++ = '\t';
+  }
+  return end;
+}
+
+/// Writes codes as bytes, each as two, the most significant first, or as one. Returns their end.
+inline char* write_bytes(const std::uint16_t* codes, int count, bool wide, char* bytes) {
+  for (int i = 0; !wide && i < count; ++i) bytes[i] = static_cast<char>(codes[i] & 0xff);
+  for (int i = 0; wide && i < count; ++i) {
+    bytes[2 * i] = static_cast<char>(codes[i] >> 8);
+    bytes[2 * i + 1] = static_cast<char>(codes[i] & 0xff);
+  }
+  return bytes + (wide ? 2 : 1) * count;
 }
 
 }  // namespace detail
@@ -61,8 +88,9 @@ inline void save_ppm(const Image& image, const FileName& path, const Transfer& t
              std::to_string(image.height()) + "\n" + std::to_string(encode.max_code()) + "\n");
 
   const auto decimals = detail::decimal_texts(options.plain ? encode.max_code() + std::size_t{1} : 0);
-  constexpr int block = 4096;   // pixels written at a time, for rows of any width
-  char buffer[block * 19 + 1];  // per pixel three numbers of five digits and four tabs, and one newline
+  constexpr int block = 4096;  // pixels encoded at a time, for rows of any width
+  std::uint16_t codes[3 * block];
+  char buffer[block * 19 + 6];
   const std::size_t row_bytes = static_cast<std::size_t>(image.width()) * sizeof(Color);
   const auto is_like_the_row_above = [&](int y) {
     return y > 0 && std::memcmp(&image(0, y), &image(0, y - 1), row_bytes) == 0;
@@ -74,24 +102,13 @@ inline void save_ppm(const Image& image, const FileName& path, const Transfer& t
       file.write(buffer, static_cast<std::size_t>(end - buffer));  // still the row above
       continue;
     }
-    for (int x0 = 0; x0 < image.width(); x0 += block) {
+    for (int x = 0; x < image.width(); x += block) {
       if (options.stop.stop_requested()) return;
-      const int x1 = image.width() - x0 < block ? image.width() : x0 + block;
-      end = buffer;
-      for (int x = x0; x < x1; ++x) {
-        for (const std::uint16_t code : encode(image(x, y))) {
-          if (options.plain) {
-            const detail::DecimalText& text = decimals[code];
-            std::memcpy(end, text.characters, sizeof text.characters);
-            end += text.length;
-          } else {
-            if (wide) *end++ = static_cast<char>(code >> 8);  // the most significant byte first
-            *end++ = static_cast<char>(code & 0xff);
-          }
-        }
-        if (options.plain) *end++ = '\t';
-      }
-      if (options.plain && x1 == image.width()) *end++ = '\n';
+      const int count = std::min(image.width() - x, block);
+      encode(&image(x, y), count, codes);
+      end = options.plain ? detail::write_decimals(codes, count, decimals, buffer)
+                          : detail::write_bytes(codes, 3 * count, wide, buffer);
+      if (options.plain && x + count == image.width()) *end++ = '\n';
       file.write(buffer, static_cast<std::size_t>(end - buffer));
     }
   }

@@ -39,9 +39,11 @@ inline void save_png(const Image& image, const FileName& path, const Transfer& t
   const Encoder encode(transfer, 255);
   std::vector<std::uint8_t> codes;
   codes.reserve(static_cast<std::size_t>(row_bytes * image.height()));
-  for (int y = 0; y < image.height(); ++y)
-    for (int x = 0; x < image.width(); ++x)
-      for (const std::uint16_t code : encode(image(x, y))) codes.push_back(static_cast<std::uint8_t>(code));
+  std::vector<std::uint16_t> row(static_cast<std::size_t>(row_bytes));
+  for (int y = 0; y < image.height(); ++y) {
+    encode(&image(0, y), image.width(), row.data());
+    for (const std::uint16_t code : row) codes.push_back(static_cast<std::uint8_t>(code));
+  }
 
   std::vector<char> png;
   if (!stbi_write_png_to_func(detail::append_bytes, &png, image.width(), image.height(), 3, codes.data(),
