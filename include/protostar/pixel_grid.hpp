@@ -150,10 +150,9 @@ class PixelGrid {
     return filter_(numbers[0], numbers[1]);
   }
 
-  /// Returns the places of sample i of the pixels from (x, y) on to the right.
-  [[nodiscard]] FilteredPlace<simd::Doubles> places(int x, int y, int i) const {
+  /// Returns the places of sample i of some pixels, if `numbers` is set 0 of their samplers.
+  [[nodiscard]] FilteredPlace<simd::Doubles> places(int i, const SampleSet<simd::Doubles>& numbers) const {
     if (has_common_places()) return {common_place(i).x, common_place(i).y, common_place(i).weight};
-    const SampleSet<simd::Doubles> numbers = samplers(x, y, i)(0);
     return filter_(numbers[0], numbers[1]);
   }
 
@@ -183,9 +182,8 @@ class PixelGrid {
     return concentric_disk(numbers[2], numbers[3]);
   }
 
-  /// Returns the coordinates of these points for sample i of the pixels from (x, y) on to the right.
-  [[nodiscard]] std::array<simd::Doubles, 2> lens_points(int x, int y, int i) const {
-    const SampleSet<simd::Doubles> numbers = samplers(x, y, i)(0);
+  /// Returns the coordinates of these points for some pixels, if `numbers` is set 0 of their samplers.
+  [[nodiscard]] static std::array<simd::Doubles, 2> lens_points(const SampleSet<simd::Doubles>& numbers) {
     return simd::concentric_disk(numbers[2], numbers[3]);
   }
 

@@ -314,12 +314,14 @@ class PixelRays {
   /// Computes rays without tables: through places, or points of the lens, that each pixel has of its own, or
   /// through those of too many samples.
   [[gnu::noinline]] void compute_own_rays(int x, int y, int i, PacketRays& rays) const {
-    const FilteredPlace<Doubles> places = pixels_.places(x, y, i);
+    SampleSet<Doubles> numbers;
+    if (camera_.has_lens() || !pixels_.has_common_places()) numbers = pixels_.samplers(x, y, i)(0);
+    const FilteredPlace<Doubles> places = pixels_.places(i, numbers);
     Doubles u = pixels_.u(x, places.x), v = pixels_.v(y, places.y);
     rays.x = u, rays.y = v;
     rays.weights = to_float(places.weight);
     if (camera_.has_lens()) {
-      const auto [lens_x, lens_y] = pixels_.lens_points(x, y, i);
+      const auto [lens_x, lens_y] = PixelGrid::lens_points(numbers);
       u = u - lens_x * lens_.u_shift, v = v - lens_y * lens_.v_shift;
       rays.x = lens_x, rays.y = lens_y;
     }
