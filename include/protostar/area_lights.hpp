@@ -96,9 +96,12 @@ class AreaLight {
     return shape != nullptr && shape->light.rectangle ? &*shape->light.rectangle : nullptr;
   }
 
-  /// Returns true if a hit is on this light, on the given primitive of it.
+  /// Returns true if a hit, or its crossing, is on this light, on the given primitive of it.
+  [[nodiscard]] bool is_hit(const SurfaceCrossing& hit, std::size_t triangle) const {
+    return hit.surface == surface_ && static_cast<std::size_t>(hit.crossing.primitive) == triangle;
+  }
   [[nodiscard]] bool is_hit(const Intersection& hit, std::size_t triangle) const {
-    return hit.surface() == surface_ && static_cast<std::size_t>(hit.primitive()) == triangle;
+    return is_hit(hit.crossing(), triangle);
   }
 
   /// Returns the density, in 1/steradian, with which sample draws the direction from a point to a hit on this
@@ -113,8 +116,9 @@ class AreaLight {
     });
   }
 
-  /// Returns the radiance of this light if a hit is on the given primitive of it, otherwise black.
-  [[nodiscard]] Color shown_by(const Intersection& seen, std::size_t primitive) const {
+  /// Returns the radiance of this light if a hit, or its crossing, is on the given primitive of it, otherwise
+  /// black.
+  [[nodiscard]] Color shown_by(const auto& seen, std::size_t primitive) const {
     return is_hit(seen, primitive) ? emission_ : Color{0};
   }
 

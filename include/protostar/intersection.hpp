@@ -171,6 +171,9 @@ class Intersection {
   /// Returns the surface that is hit: its address in the scene.
   [[nodiscard]] const void* surface() const { return on_.surface; }
 
+  /// Returns the crossing that the hit is made of.
+  [[nodiscard]] const SurfaceCrossing& crossing() const { return on_; }
+
   /// Returns the index of the primitive that is hit, as the surface counts them; 0 for a surface without
   /// primitives.
   [[nodiscard]] int primitive() const { return on_.crossing.primitive; }

@@ -96,9 +96,7 @@ struct PathVertex {
 
   /// Returns the radiance that the ray to the chosen area light finds where it hits: that of the light, or
   /// black if it hits another surface.
-  [[nodiscard]] Color shown_by(const Intersection& seen) const {
-    return chosen.area->shown_by(seen, primitive);
-  }
+  [[nodiscard]] Color shown_by(const auto& seen) const { return chosen.area->shown_by(seen, primitive); }
 
   /// Chooses one of the material's lobes by a number and draws a direction by it. A path does not go on if
   /// the material scatters no light, or the direction leads into the surface. The bounce is made in the place

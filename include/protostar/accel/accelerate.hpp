@@ -47,11 +47,17 @@ class Accelerated<Scene<S...>> {
   }
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
 
-  /// Returns the closest hit inside the range.
-  [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
+  /// Returns the closest crossing inside the range, with no surface if there is none.
+  [[nodiscard]] SurfaceCrossing closest_crossing(const Ray& ray, Interval range = {}) const {
     require_same_surfaces();
     SurfaceCrossing first;
     (look_for_first<S>(ray, range, first), ...);
+    return first;
+  }
+
+  /// Returns the closest hit inside the range.
+  [[nodiscard]] std::optional<Intersection> intersect(const Ray& ray, Interval range = {}) const {
+    const SurfaceCrossing first = closest_crossing(ray, range);
     if (first.surface == nullptr) return std::nullopt;
     return std::optional<Intersection>(std::in_place, ray, first);  // in place, since a ray is large
   }

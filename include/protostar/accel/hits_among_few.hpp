@@ -44,6 +44,18 @@ class HitsAmongFew : public TileHits<S...> {
     return met;
   }
 
+  /// Makes the closest hit of a ray at a place that is not initialized: an Intersection, which has the ray,
+  /// or its crossing alone. A crossing with no surface means that there is no hit.
+  static void make_hit(std::optional<Intersection>* place, const Ray& ray, const SurfaceCrossing& first) {
+    if (first.surface == nullptr)
+      new (place) std::optional<Intersection>();
+    else
+      new (place) std::optional<Intersection>(std::in_place, ray, first);
+  }
+  static void make_hit(SurfaceCrossing* place, const Ray&, const SurfaceCrossing& first) {
+    new (place) SurfaceCrossing(first);
+  }
+
  protected:
   using Base::count_tests, Base::scene_, Base::state_;
 
@@ -71,11 +83,11 @@ class HitsAmongFew : public TileHits<S...> {
   static constexpr std::size_t fewest_in_lanes = 3;
 
   /// Finds the closest hits of some rays: ray(k) is the k-th, and its hit becomes *place(k), which is not
-  /// initialized. All surfaces of types that are tested in lanes are tested, and then the accelerated scene
-  /// looks for closer hits on others. The surface that a ray leaves is tested with that ray alone, which
-  /// knows its departure, and so is each surface that coincides with it: far from the scene's origin, the
-  /// rounded origin of the ray is certainly off that surface, and a test in lanes would be sure of a wrong
-  /// hit. Planes are not crossed again. The accelerated scene answers for rays in doubt.
+  /// initialized, as by make_hit. All surfaces of types that are tested in lanes are tested, and then the
+  /// accelerated scene looks for closer hits on others. The surface that a ray leaves is tested with that ray
+  /// alone, which knows its departure, and so is each surface that coincides with it: far from the scene's
+  /// origin, the rounded origin of the ray is certainly off that surface, and a test in lanes would be sure
+  /// of a wrong hit. Planes are not crossed again. The accelerated scene answers for rays in doubt.
   void intersect_in_lanes(std::size_t count, const auto& ray, const auto& place) const {
     constexpr auto lanes = static_cast<std::size_t>(double_lanes);
     std::array<double, lanes> numbers[7];
@@ -129,7 +141,7 @@ class HitsAmongFew : public TileHits<S...> {
       const Ray& one = ray(k);
       if ((bits(in_doubt) >> k & 1) != 0) {
         ++state_.counts.in_doubt;
-        new (place(k)) std::optional<Intersection>(accelerated_.intersect(one, Interval{}));
+        make_hit(place(k), one, accelerated_.closest_crossing(one, Interval{}));
         continue;
       }
       const auto place_closest = [&](SurfaceCrossing first) {
@@ -139,10 +151,7 @@ class HitsAmongFew : public TileHits<S...> {
           if constexpr (!is_tested_in_lanes<T>) accelerated_.template look_for_first<T>(one, range, first);
         };
         (look_if_other(std::type_identity<S>{}), ...);
-        if (first.surface == nullptr)
-          new (place(k)) std::optional<Intersection>();
-        else
-          new (place(k)) std::optional<Intersection>(std::in_place, one, first);
+        make_hit(place(k), one, first);
       };
       if (found.index[lane] < 0)
         place_closest({});

@@ -80,13 +80,15 @@ class TileScene : public HitsAmongFew<S...> {
   }
 
   /// Traces rays that may depart from different surfaces, as many as there are lanes or fewer: ray(k) is the
-  /// k-th, and its closest hit becomes *result(k), which is not initialized.
+  /// k-th, and its closest hit becomes *result(k), which is not initialized, as by make_hit.
   void intersect_each(std::size_t count, const auto& ray, const auto& result) const {
     if constexpr (Base::tests_in_lanes)
       if (count >= Base::fewest_in_lanes && scene_.size() <= few_surfaces && this->tested_in_lanes() > 0)
         return this->intersect_in_lanes(count, ray, result);
-    for (std::size_t k = 0; k < count; ++k)
-      new (result(k)) std::optional<Intersection>(intersect(ray(k), Interval{}));  // in place
+    for (std::size_t k = 0; k < count; ++k) {
+      count_alone();
+      Base::make_hit(result(k), ray(k), accelerated_.closest_crossing(ray(k), Interval{}));
+    }
   }
 
   // ---- Packets.

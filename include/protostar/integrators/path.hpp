@@ -164,7 +164,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
         vertices[k]->aim(drawn[k]);
         if (vertices[k]->to_light) which[some++] = k;
       }
-    Uninitialized<std::optional<Intersection>, lanes> seen;
+    Uninitialized<SurfaceCrossing, lanes> seen;
     scene.intersect_each(
         some, [&](std::size_t i) -> const Ray& { return *vertices[which[i]]->to_light; },
         [&](std::size_t i) { return &seen[which[i]]; });
@@ -172,7 +172,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
       goes_on[k] = vertices[k] != nullptr;
       if (!goes_on[k]) continue;
       const PathVertex& vertex = *vertices[k];
-      const Color radiance = vertex.to_light && seen[k] ? vertex.shown_by(*seen[k]) : Color{0};
+      const Color radiance = vertex.to_light ? vertex.shown_by(seen[k]) : Color{0};
       goes_on[k] = go_on(path(k), vertex, scene, radiance);
     }
   }
