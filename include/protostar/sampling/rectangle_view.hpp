@@ -100,23 +100,24 @@ class RectangleSeen {
 
     const T l = depth.hi, hl = h_ * l;
     const HalfStrip at_0(*this, T(0.0)), at_x0(*this, abs(x0_)), at_x1(*this, x1_);
+    // Where x0 ≥ 0, the rectangle is right of it and left of it are the half of the strip and the part from 0
+    // on. Elsewhere it has a part on each side of 0, and left of it is less than the half.
     const auto is_right = x0_ >= T(0.0);
-    const Pair right_part = part_between(at_x0, at_x1, width.hi, hl);
-    const Few<Pair> pairs{Pair{hl, h_ * h_ + y0_ * y1_},
-                          {h_, -y0_},
-                          {h_, y1_},
-                          {hl, at_x1.D},
-                          part_between(at_0, at_x0, abs(x0_), hl),
-                          {select(is_right, right_part.y, hl), select(is_right, right_part.x, at_x0.D)},
-                          part_between(at_0, at_x1, x1_, hl)};
+    const Pair pairs[] = {
+        {h_, -y0_},
+        {h_, y1_},
+        {hl, at_x1.D},
+        part_between(at_0, at_x0, abs(x0_), hl),
+        part_between(HalfStrip::either(is_right, at_x0, at_0), at_x1, select(is_right, width.hi, x1_), hl),
+        {hl, select(is_right, h_ * h_ + y0_ * y1_, at_x0.D)}};
     Few<T> y{}, x{};
-    for (std::size_t i = 0; i < 7; ++i) y[i] = pairs[i].y, x[i] = pairs[i].x;
-    const Few<T> angles = polar_angles_of_each(y, x, 7);
-    const T Delta = angles[0], near_part = 2.0 * angles[4];
-    kappa0_ = angles[1], kappa1_ = angles[2];
-    right_ = 2.0 * angles[3];
-    left_ = select(is_right, Delta + near_part, 2.0 * angles[5]);
-    const T solid_angle = select(is_right, 2.0 * angles[5], near_part + 2.0 * angles[6]);
+    for (std::size_t i = 0; i < 6; ++i) y[i] = pairs[i].y, x[i] = pairs[i].x;
+    const Few<T> angles = polar_angles_of_each(y, x, 6);
+    kappa0_ = angles[0], kappa1_ = angles[1];
+    right_ = 2.0 * angles[2];
+    const T near_part = 2.0 * angles[3], far_part = 2.0 * angles[4], rest = angles[5];
+    left_ = select(is_right, rest + near_part, 2.0 * rest);
+    const T solid_angle = select(is_right, far_part, near_part + far_part);
     solid_angle_ = select(h_ > T(0.0) && solid_angle >= T(least_angle), solid_angle, T(0.0));
   }
 
@@ -176,6 +177,13 @@ class RectangleSeen {
           select(product < T(0.0), q * (q + of.y0_ * of.y0_ + of.y1_ * of.y1_) / (r0 * r1 - product),
                  r0 * r1 + product);
       D = sum + q + x * (r0 + r1);
+    }
+
+    /// Returns a where the condition holds, and b elsewhere.
+    static HalfStrip either(const auto& condition, HalfStrip a, const HalfStrip& b) {
+      a.x = select(condition, a.x, b.x), a.D = select(condition, a.D, b.D);
+      a.r0 = select(condition, a.r0, b.r0), a.r1 = select(condition, a.r1, b.r1);
+      return a;
     }
   };
 
