@@ -33,6 +33,7 @@
 #include "../numeric/precise_vector.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
+#include "../simd/words.hpp"
 #include "light_sample.hpp"
 #include "radians_of_each.hpp"
 
@@ -237,33 +238,34 @@ class RectangleView {
   static void sample_each(const RectangleLight& r, std::span<const Point> from, const FewNumbers& u,
                           const FewNumbers& v, std::span<LightSample> drawn) {
     using simd::Doubles, simd::Vectors;
-    // Powers of two and their reciprocals, and the factors on the lengths of the edges.
-    FewNumbers unit, scale, smaller, x, y, z;
+    FewNumbers x, y, z;
     for (std::size_t i = 0; i < static_cast<std::size_t>(simd::double_lanes); ++i) {
-      const std::size_t k = std::min(i, from.size() - 1);
-      const int exponent = exponent_of_view(from[k], r);
-      if (!(-500 < r.exponent && exponent < 500)) [[unlikely]] {
-        for (std::size_t one = 0; one < from.size(); ++one)
-          drawn[one] = RectangleView(from[one], r).sample(u[one], v[one]);
-        return;
-      }
-      unit[i] = power_of_two(exponent), scale[i] = power_of_two(-exponent);
-      smaller[i] = power_of_two(r.exponent - exponent);
-      x[i] = from[k].x, y[i] = from[k].y, z[i] = from[k].z;
+      const Point& one = from[std::min(i, from.size() - 1)];
+      x[i] = one.x, y[i] = one.y, z[i] = one.z;
     }
     const auto load = [](const FewNumbers& numbers) { return Doubles::load(numbers.data()); };
-    const Doubles down = load(scale), less = load(smaller);
-    const auto to = [&](const FewNumbers& of, double corner) {
-      return two_sum(Doubles(corner) * down, -(load(of) * down));
+    const Vectors points{load(x), load(y), load(z)}, to_corner = abs(Vectors(r.position) - points);
+    const Doubles size = max(to_corner.x, max(to_corner.y, to_corner.z));
+    if (!(-500 < r.exponent && r.exponent < 500) || any(!(size < 0x1p499))) [[unlikely]] {
+      for (std::size_t one = 0; one < from.size(); ++one)
+        drawn[one] = RectangleView(from[one], r).sample(u[one], v[one]);
+      return;
+    }
+    const double unit_of_edges = power_of_two(r.exponent);
+    const Doubles unit = max(simd::power_above(size), Doubles(unit_of_edges)), scale = Doubles(1.0) / unit,
+                  smaller = scale * unit_of_edges;  // all exact, as powers of two
+    const auto to = [&](const Doubles& of, double corner) {
+      return two_sum(Doubles(corner) * scale, -(of * scale));
     };
     const auto length = [&](const DoubleDouble& of) {
-      return DoubleDoubleOf<Doubles>{Doubles(of.hi) * less, Doubles(of.lo) * less};
+      return DoubleDoubleOf<Doubles>{Doubles(of.hi) * smaller, Doubles(of.lo) * smaller};
     };
     const detail::RectangleSeen<Doubles, Vectors> seen(
-        r, {to(x, r.position.x), to(y, r.position.y), to(z, r.position.z)}, length(r.width), length(r.depth));
+        r, {to(points.x, r.position.x), to(points.y, r.position.y), to(points.z, r.position.z)},
+        length(r.width), length(r.depth));
     const auto [direction, distance] = seen.sample(load(u), load(v));
     const Doubles solid_angle = seen.solid_angle(), density = Doubles(1.0) / solid_angle,
-                  far = distance * load(unit);
+                  far = distance * unit;
     for (std::size_t i = 0; i < from.size(); ++i) {
       const int lane = static_cast<int>(i);
       if (solid_angle[lane] > 0)

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "../bit_cast.hpp"
 #include "../platform.hpp"
 #include "simd.hpp"
 #include "vector_registers.hpp"
@@ -199,6 +200,22 @@ template <int N>
   return Lanes<double, N>((detail::Vector<double, N>)digits.v) - 1.0;
 #else
   return Lanes<double, N>::of_each([&](int i) { return to_unit(n[i]); });
+#endif
+}
+
+/// Returns in each lane the least power of two above x, from 2^-1021 to 2^1023; 0 for x from 0 to below
+/// 2^-1022. x is neither negative nor 2^1023 or more. It has the exponent of x, one higher, and no digits.
+template <int N>
+[[nodiscard]] Lanes<double, N> power_above(Lanes<double, N> x) {
+  constexpr std::uint64_t exponent = 0x7ff0000000000000;
+#if defined(PROTOSTAR_VECTORS)
+  const Lanes<std::uint64_t, N> bits((detail::Vector<std::uint64_t, N>)x.v);
+  return 2.0 * Lanes<double, N>((detail::Vector<double, N>)(bits & exponent).v);
+#else
+  return Lanes<double, N>::of_each([&](int i) {
+    return 2 *
+           protostar::detail::bit_cast<double>(protostar::detail::bit_cast<std::uint64_t>(x[i]) & exponent);
+  });
 #endif
 }
 
