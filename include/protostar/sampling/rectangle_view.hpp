@@ -234,7 +234,8 @@ class RectangleView {
 
   /// Draws a direction to the rectangle from each of some points: drawn[i] is what sample returns for
   /// from[i], u[i] and v[i], to the bit. There are from 1 to simd::double_lanes points, and `drawn` holds at
-  /// least as many.
+  /// least as many. Coordinates are below 2^499 and edges are longer than 2^-500, as in any scene (most_t,
+  /// least_size).
   static void sample_each(const RectangleLight& r, std::span<const Point> from, const FewNumbers& u,
                           const FewNumbers& v, std::span<LightSample> drawn) {
     using simd::Doubles, simd::Vectors;
@@ -246,11 +247,6 @@ class RectangleView {
     const auto load = [](const FewNumbers& numbers) { return Doubles::load(numbers.data()); };
     const Vectors points{load(x), load(y), load(z)}, to_corner = abs(Vectors(r.position) - points);
     const Doubles size = max(to_corner.x, max(to_corner.y, to_corner.z));
-    if (!(-500 < r.exponent && r.exponent < 500) || any(!(size < 0x1p499))) [[unlikely]] {
-      for (std::size_t one = 0; one < from.size(); ++one)
-        drawn[one] = RectangleView(from[one], r).sample(u[one], v[one]);
-      return;
-    }
     const double unit_of_edges = power_of_two(r.exponent);
     const Doubles unit = max(simd::power_above(size), Doubles(unit_of_edges)), scale = Doubles(1.0) / unit,
                   smaller = scale * unit_of_edges;  // all exact, as powers of two
