@@ -78,10 +78,6 @@ class HitsAmongFew : public TileHits<S...> {
     return ((is_tested_in_lanes<S> ? scene_.template surfaces<S>().size() : 0) + ...);
   }
 
-  /// Smallest number of rays that are tested in lanes. The Cornell box takes as long with 5, and 1.05 times
-  /// as long with 1.
-  static constexpr std::size_t fewest_in_lanes = 3;
-
   /// Finds the closest hits of some rays: ray(k) is the k-th, and its hit becomes *place(k), which is not
   /// initialized, as by make_hit. All surfaces of types that are tested in lanes are tested, and then the
   /// accelerated scene looks for closer hits on others. The surface that a ray leaves is tested with that ray

@@ -83,7 +83,7 @@ class TileScene : public HitsAmongFew<S...> {
   /// k-th, and its closest hit becomes *result(k), which is not initialized, as by make_hit.
   void intersect_each(std::size_t count, const auto& ray, const auto& result) const {
     if constexpr (Base::tests_in_lanes)
-      if (count >= Base::fewest_in_lanes && scene_.size() <= few_surfaces && this->tested_in_lanes() > 0)
+      if (count > 0 && scene_.size() <= few_surfaces && this->tested_in_lanes() > 0)
         return this->intersect_in_lanes(count, ray, result);
     for (std::size_t k = 0; k < count; ++k) {
       count_alone();
