@@ -1,6 +1,7 @@
 // State that the parts of a tile share, and the list of all surfaces of a small scene.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -40,8 +41,12 @@ struct AllOfFew {
   [[nodiscard]] int index(int i) const { return i; }
   [[nodiscard]] float nearest(int) const { return 0; }
   [[nodiscard]] std::span<const std::uint32_t> indices() const {
-    static constexpr std::uint32_t all[few_surfaces] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    return {all, count};
+    static constexpr auto all = [] {
+      std::array<std::uint32_t, few_surfaces> indices{};
+      for (std::uint32_t i = 0; i < few_surfaces; ++i) indices[i] = i;
+      return indices;
+    }();
+    return {all.data(), count};
   }
 };
 
