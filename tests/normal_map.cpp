@@ -216,6 +216,16 @@ TEST_CASE("the vertex normals of a mesh are tilted, not those of its triangles")
                 0.6 * Vec3{1, 0, 0} + 0.8 * Vec3{0, 0.6, -0.8}));
 }
 
+TEST_CASE("the direction of a normal map may be of any length") {
+  const Parallelogram board{.position = {-1, -1, 4}, .edge_u = {0, 2, 0}, .edge_v = {2, 0, 0}};
+  const Vec3 tilted = mapped_normal_of(board, Ray{}, constant({3, 4, 12}));
+  CHECK(!is_near(tilted, {0, 0, -1}));
+  for (const double size : {0x1p-1060, 0x1p-600, 0x1p-100, 0x1p100, 0x1p520, 0x1p1019}) {
+    CAPTURE(size);
+    CHECK(is_near(mapped_normal_of(board, Ray{}, constant(size * Vec3{3, 4, 12})), tilted));
+  }
+}
+
 TEST_CASE("a normal map tilts nothing where the directions of u and v are not known") {
   const Ray down{.origin = {0, 5, 0}, .direction = {0, -1, 0}};  // to a pole
   CHECK(mapped_normal_of(Sphere{}, down, wave_map) == Vec3{0, 1, 0});

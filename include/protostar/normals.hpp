@@ -20,10 +20,11 @@ struct Tangents {
   Vec3 u{0}, v{0};
 };
 
-/// Returns the unit normal that a normal map's direction stands for on a surface with this unit normal. It is
-/// the surface's own where x and y are 0, and where the tangents span no plane.
-[[nodiscard]] inline Vec3 out_of_tangent_space(const Vec3& direction, const Vec3& normal,
+/// Returns the unit normal that a normal map's direction, of any length, stands for on a surface with this
+/// unit normal. It is the surface's own where x and y are 0, and where the tangents span no plane.
+[[nodiscard]] inline Vec3 out_of_tangent_space(const Vec3& of_any_length, const Vec3& normal,
                                                const Tangents& tangents) {
+  const Vec3 direction = of_moderate_size(of_any_length);
   const Vec3 across = cross(normal, of_moderate_size(tangents.u));
   const double side = dot(across, of_moderate_size(tangents.v));
   if ((direction.x == 0 && direction.y == 0) || side == 0) return normal;
