@@ -60,7 +60,7 @@ struct LobeShares {
 struct ChosenLight {
   const AreaLight* area = nullptr;  ///< null: the environment, or none if the probability is 0
   double probability = 0;
-  double rest = 0;  ///< number in [0, 1] for a direction to the light
+  double rest = 0;  ///< number in [0, 1) for a direction to the light
 };
 
 /// Vertex of a path, at a hit whose material scatters light, and the ray from there to an area light. Borrows

@@ -39,7 +39,7 @@ class Shares {
     // A thing of share 0 ends where the one before it ends, and is never the first end above the place.
     const auto end = std::min(std::upper_bound(ends_.begin(), ends_.end(), place), ends_.end() - 1);
     const auto i = static_cast<std::size_t>(end - ends_.begin());
-    return {i, probability(i), std::min((place - begin(i)) / part(i), 1.0)};
+    return {i, probability(i), std::min((place - begin(i)) / part(i), 1 - 0x1p-53)};  // not rounded to 1
   }
 
  private:
