@@ -149,8 +149,10 @@ template <int Predicate, class V>
     else
       return _mm512_cmp_ps_mask((__m512)a, (__m512)b, Predicate);
   } else if constexpr (sizeof(V) == 32) {
+    static_assert(sizeof(T) == 4, "nothing else is needed");
     return _mm256_cmp_ps_mask((__m256)a, (__m256)b, Predicate);
   } else {
+    static_assert(sizeof(T) == 4, "nothing else is needed");
     return _mm_cmp_ps_mask((__m128)a, (__m128)b, Predicate);
   }
 }
@@ -159,6 +161,7 @@ template <int Predicate, class V>
 template <class V>
 [[nodiscard]] V blend(std::uint32_t lanes, V a, V b) {
   constexpr std::size_t size = sizeof(a[0]);
+  static_assert(sizeof(V) == 64 || size == 4, "nothing else is needed");
   if constexpr (sizeof(V) == 16)
     return (V)_mm_mask_blend_epi32(static_cast<__mmask8>(lanes), (__m128i)b, (__m128i)a);
   else if constexpr (sizeof(V) == 32)
