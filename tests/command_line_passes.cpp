@@ -220,6 +220,17 @@ TEST_CASE("a scene file's error is that of the picture, unless the command line 
   CHECK(samples_told(run_stage("render", "e.json --size 64x48", folder).out) == "16");
 }
 
+TEST_CASE("a part in the scale of a whole picture tells the error of the picture, which is drawn") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "s.json",
+            changed_three_spheres("\"resolution-x\"", "\"tone\": \"scale-image\", \"resolution-x\""));
+  const Outcome outcome =
+      run_stage("render", "s.json --size 64x48 --crop 30,20,2,3 --error 0.05 -o a.ppm", folder);
+  CHECK(outcome.status == 0);
+  CHECK_THAT(outcome.out, ContainsSubstring(": 2x3, ") && ContainsSubstring(", at most ") &&
+                              ContainsSubstring(" (95 %)\n"));
+}
+
 TEST_CASE("a scene file's error for fewer than 32 pixels is told by what asks for so few") {
   const TemporaryFolder folder;
   put_bytes(folder / "s.json",

@@ -201,8 +201,7 @@ void Stage::tell_passes() {
   if (report_.samples == 0) return print("no samples, no error");
   const std::string samples = std::to_string(report_.samples);
   std::string line = samples + " samples in each pixel, RMSE about " + in_short(report_.error);
-  const bool is_sure = std::int64_t{options_.width} * options_.height >=
-                       static_cast<std::int64_t>(PictureError::fewest_pixels);
+  const bool is_sure = options_.drawn().pixel_count() >= PictureError::fewest_pixels;
   if (options_.every_pixel)
     line += ", no channel of any pixel off by more than " + in_short(report_.pixel_error) + " (95 %)";
   else if (is_sure)
