@@ -479,6 +479,10 @@ TEST_CASE("an invalid instance is refused") {
   CHECK_THAT(says(Instance<>(Sphere{.radius = 0}, {})), ContainsSubstring("Sphere: radius"));
   CHECK_THAT(says(Instance(Sphere{}, Affine{}.scaled_by({1, 1, 1e-121}))),
              ContainsSubstring("the numbers of the inverse of the map must be at most 2^400"));
+  const std::string of_map = "the numbers of the map must be at most 2^400";
+  CHECK_THAT(says(Instance(Sphere{}, Affine{}.scaled_by({1, 1, 1e121}))), ContainsSubstring(of_map));
+  CHECK_THAT(says(Instance(Sphere{}, Affine{}.moved_by({0, -1e121, 0}))), ContainsSubstring(of_map));
+  CHECK_NOTHROW(Instance(Sphere{}, Affine{}.scaled_by({1, 0x1p400, 1}).moved_by({0x1p400, 0, 0})).validate());
   CHECK_NOTHROW(Instance<>(Sphere{}, Affine{}.scaled_by({-1, 2, 1e-9})).validate());
 }
 

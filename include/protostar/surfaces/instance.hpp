@@ -115,13 +115,16 @@ class Instance<S> {
   [[nodiscard]] const Affine& placement() const { return inverse_.map(); }
 
   /// Throws std::invalid_argument if the surface is not valid or moves, the map has no inverse, or a number
-  /// of the inverse is not a coordinate (magnitude.hpp).
+  /// of the map or of the inverse is not a coordinate (magnitude.hpp).
   void validate() const {
     if constexpr (requires { surface_.validate(); }) surface_.validate();
     if (protostar::is_moving(surface_))
       throw std::invalid_argument("Instance: the surface must not be moving; an instance may be");
     if (!inverse_.exists())
       throw std::invalid_argument("Instance: the map must be finite, and not take space to a plane or less");
+    const Affine& map = inverse_.map();
+    for (const Vec3& column : {map.x, map.y, map.z, map.translation})
+      require_rule(is_coordinate(column), "Instance: the numbers of the map must be", coordinate_rule);
     for (const Vec3& axis : {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
       require_rule(is_coordinate(inverse_.vector(axis)),
                    "Instance: the numbers of the inverse of the map must be", coordinate_rule);
