@@ -20,6 +20,7 @@
 #include <protostar/surfaces/triangle.hpp>
 
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -224,6 +225,13 @@ TEST_CASE("the direction of a normal map may be of any length") {
     CAPTURE(size);
     CHECK(is_near(mapped_normal_of(board, Ray{}, constant(size * Vec3{3, 4, 12})), tilted));
   }
+}
+
+TEST_CASE("a normal map of an empty std::function is none, as of no function") {
+  CHECK(!NormalMap());
+  CHECK(!NormalMap(std::function<Vec3(double, double)>()));
+  CHECK(!NormalMap(static_cast<Vec3 (*)(double, double)>(nullptr)));
+  CHECK(NormalMap(std::function<Vec3(double, double)>(wave_map)));
 }
 
 TEST_CASE("a normal map tilts nothing where the directions of u and v are not known") {

@@ -41,7 +41,9 @@ class NormalMap {
   template <class F>
   requires(!std::same_as<F, NormalMap> && std::is_invocable_r_v<Vec3, const F&, double, double>)
       NormalMap(F function)
-      : function_(std::make_shared<const std::function<Vec3(double, double)>>(std::move(function))) {}
+      : function_(std::make_shared<const std::function<Vec3(double, double)>>(std::move(function))) {
+    if (!*function_) function_ = nullptr;  // an empty std::function is none
+  }
 
   explicit operator bool() const { return function_ != nullptr; }
 
