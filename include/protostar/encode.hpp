@@ -169,8 +169,10 @@ class Encoder {
   ///
   /// The exact comparison ends, as its sides do not coincide unless p/q is a power of two. If the light at
   /// (2k − 1)/(2 max_code) is a float, then p/q is a fraction whose denominator is a power of two, since a
-  /// power of it is. As max_code is odd, Linear and Gamma have that at ½ alone, where
-  /// p/q is a power of two, and sRGB nowhere: 211 and 323 do not cancel for any code.
+  /// power of it is. As max_code is odd, Linear and Gamma have that at ½ alone, where p/q is a power of two.
+  /// sRGB has it nowhere: if p/q = m/2^e, then n/d = 323 m/(25 · 2^e) or (211 m − 11 · 2^e)/(25 · 2^(e+3)),
+  /// and neither is a fraction below 1 that has in lowest terms exactly one factor 2 in its denominator, as
+  /// (2k − 1)/(2 max_code) has.
   static float smallest_float_from(const DecodedLight& light) {
     const DoubleDouble about(light);
     // NaN comes from an exponent near the largest double, and stands for a power far below the least float.

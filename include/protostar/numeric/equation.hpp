@@ -34,8 +34,8 @@ struct ExactQuadratic {
   [[nodiscard]] ExactLinear without_square() const { return {.height = c, .slope = b + b}; }
 };
 
-/// Returns the root; the slope must not be 0.
-[[nodiscard]] inline ExactRoot exact_root_of(const ExactLinear& e, int = 0) {
+/// Returns the root; the slope must not be 0. Its number is 0, for callers that take any equation.
+[[nodiscard]] inline ExactRoot exact_root_of(const ExactLinear& e, int /* root */ = 0) {
   const bool turns = e.slope.sign() < 0;
   return {.A = turns ? -e.slope : e.slope, .b = turns ? -e.height : e.height, .D = {}};
 }

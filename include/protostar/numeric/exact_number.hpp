@@ -44,7 +44,7 @@ class ExactNumber {
   /// Number value · 2^exponent with an error of at most 2^-103 of itself; the exponent keeps value in the
   /// range of double.
   struct Approximation {
-    DoubleDouble value;  ///< 0, or at least 1 and less than 2^32 in magnitude
+    DoubleDouble value;  ///< 0, or from 1 to 2^32 in magnitude
     int exponent = 0;
 
     /// Converts to double-double; infinite above the range of double, and less precise below 2^-1000.

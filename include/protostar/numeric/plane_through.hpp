@@ -107,7 +107,7 @@ namespace detail {
 /// for the relative errors of the normal's components: 0, or at least 2^-100.
 ///
 /// In units of u², an exact normal, or one with an error of 3, gives quotients 3 + 3 + 16; the distance has 3
-/// + 7 + 3 + 3 of the magnitudes of its terms, and its quotient 3 + 16 more. All are below 2^-100 = 64u². If
+/// + 5 + 3 + 3 of the magnitudes of its terms, and its quotient 3 + 16 more. All are below 2^-100 = 64u². If
 /// the normal's error is large against that, a quotient has twice as much, and the distance as much.
 ///
 /// Precondition: the position's components are 0 or from 2^-301 to 1. No term is then below 2^-801, and

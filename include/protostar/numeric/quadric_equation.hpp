@@ -55,7 +55,7 @@ struct QuadricForm {
 
 /// Returns the sign of the Gaussian curvature of a quadric, which is that of −det of the 4×4 matrix, all over
 /// the quadric: 1 for an ellipsoid, −1 for a saddle. Returns 0 for cones and cylinders, also for those whose
-/// numbers are rounded.
+/// numbers are rounded, and for what double cannot tell from them: an ellipsoid 2^264 times as wide as high.
 [[nodiscard, gnu::noinline, gnu::cold]] inline int curvature_sign(const QuadricForm& form) {
   // det = k det M − l·adj(M) l. M, l and k are each scaled to about 1, so that no product overflows, and then
   // the smaller of the two terms, by 2^-|shift|.

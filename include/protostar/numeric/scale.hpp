@@ -57,9 +57,9 @@ template <class V>
   return is_of_moderate_size(v) ? v : scaled(v, -exponent_of({v}));
 }
 
-/// Two numbers, as those of a vector in a plane, times a power of two with which their squares do not
-/// underflow. It is 2^600 if both are below 2^-400, which brings numbers from 2^-1074 on to 2^-474 or more,
-/// and otherwise 1.
+/// Two numbers, as those of a vector in a plane, times a power of two with which the square of the larger one
+/// does not underflow. It is 2^600 if both are below 2^-400, which brings numbers from 2^-1074 on to 2^-474
+/// or more, and otherwise 1.
 struct LiftedPair {
   double lift, x, y, square, length;
 

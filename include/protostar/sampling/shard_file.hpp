@@ -203,8 +203,8 @@ void write_shard(const Shard& shard, auto&& sink) {
 }
 
 /// Reads a shard from a source: source(bytes, size) writes up to `size` bytes and returns how many, 0 at the
-/// end. Throws std::runtime_error for bytes that are no shard, with the name of the file, the place
-/// in it, what is there and what is allowed.
+/// end. Throws std::runtime_error for bytes that are no shard, with the name of the file, the place in it,
+/// what is there and what is allowed.
 [[nodiscard]] Shard read_shard(auto&& source, const std::string& name) {
   detail::WordReader reader(source, shown(name));
   if (reader.get_bytes(detail::shard_magic.size()) != detail::shard_magic)
