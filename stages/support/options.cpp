@@ -282,8 +282,8 @@ void check_parts(const CommandLine& line, const Options& options) {
 }
 
 /// Refuses pictures whose work cannot be shared: those that are no sums of samples. Shards take Sobol' points
-/// unless another sampler is asked for.
-void check_sums(Options& options) {
+/// unless another sampler is asked for. `crop` is the text of the option.
+void check_sums(Options& options, std::string_view crop) {
   if (!options.shard && options.checkpoint.empty()) return;
   const std::string option = options.shard ? "--shard" : "--checkpoint";
   if (options.in_passes())
@@ -301,9 +301,8 @@ void check_sums(Options& options) {
     refuse("--sampler", options.sampler,
            "possible with --shard: its places are the same in all pixels and at any seed, so that halves of "
            "the samples cannot tell the error of the others");
-  if (options.draws_more())
-    refuse("--crop", std::to_string(options.width) + "x" + std::to_string(options.height),
-           "possible with --shard for the tone scale-image, which needs the whole picture");
+  if (options.crop.width > 0 && options.tone == protostar::Tone::scale_image)
+    refuse("--crop", crop, "possible with --shard for the tone scale-image, which needs the whole picture");
 }
 
 }  // namespace
@@ -456,7 +455,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     check_sampler(options);
     check_passes(passes, options);
     check_promise(passes, options, crop, size, scene);
-    check_sums(options);
+    check_sums(options, crop);
     if (options.shard || !options.checkpoint.empty())
       options.scene = settings.fingerprint ? settings.fingerprint() : program;
     if (line.given("--timeout"))
