@@ -40,10 +40,20 @@ class Image {
  public:
   static constexpr std::int64_t max_pixels = std::int64_t{1} << 28;
 
-  /// Makes a black image. Throws std::invalid_argument unless both sides are at least 1 and there are at most
-  /// 2^28 pixels; no memory is taken before that is known.
+  /// Makes a black image. Throws std::invalid_argument unless it has a size (require_size); no memory is
+  /// taken before that is known.
   Image(int width, int height)
-      : width_(checked(width, height)), height_(height), pixels_(count(width, height), Color{0}) {}
+      : width_(width), height_(height), pixels_(require_size("Image", width, height), Color{0}) {}
+
+  /// Returns the number of pixels. Throws std::invalid_argument, which begins with what has the size, unless
+  /// both sides are at least 1 and there are at most 2^28 pixels.
+  static std::size_t require_size(const char* of, std::int64_t width, std::int64_t height) {
+    if (width < 1 || height < 1 || width > max_pixels / height)
+      throw std::invalid_argument(std::string(of) + ": " + std::to_string(width) + "x" +
+                                  std::to_string(height) +
+                                  " is not a size; sides must be at least 1 and the pixels at most 2^28");
+    return static_cast<std::size_t>(width * height);
+  }
 
   [[nodiscard]] int width() const { return width_; }
   [[nodiscard]] int height() const { return height_; }
@@ -56,17 +66,6 @@ class Image {
   [[nodiscard]] const Color& operator()(int x, int y) const { return pixels_[index(x, y)]; }
 
  private:
-  static std::size_t count(int width, int height) {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  }
-
-  static int checked(int width, int height) {
-    if (width < 1 || height < 1 || std::int64_t{width} * height > max_pixels)
-      throw std::invalid_argument("Image: " + std::to_string(width) + "x" + std::to_string(height) +
-                                  " is not a size; sides must be at least 1 and the pixels at most 2^28");
-    return width;
-  }
-
   [[nodiscard]] std::size_t index(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x);
   }

@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
 #include "../image.hpp"
 #include "../plain_vector.hpp"
@@ -91,7 +90,10 @@ class Film {
  public:
   /// Makes a film without samples. Throws std::invalid_argument for a tile without pixels or with more than
   /// Image::max_pixels.
-  explicit Film(const Tile& area) : area_(area), pixels_(count_of(area)) {}
+  explicit Film(const Tile& area)
+      : area_(area),
+        pixels_(
+            Image::require_size("Film", std::int64_t{area.x1} - area.x0, std::int64_t{area.y1} - area.y0)) {}
 
   [[nodiscard]] const Tile& tile() const { return area_; }
 
@@ -146,14 +148,6 @@ class Film {
           "Film: its samples tell no error, since they depend on each other or on their number, as those of "
           "HammersleySampler and StratifiedSampler; draw all of them with SobolSampler, HaltonSampler or "
           "IndependentSampler");
-  }
-
-  static std::size_t count_of(const Tile& area) {
-    const std::int64_t width = std::int64_t{area.x1} - area.x0, height = std::int64_t{area.y1} - area.y0;
-    if (width < 1 || height < 1 || width > Image::max_pixels / height)
-      throw std::invalid_argument("Film: " + std::to_string(width) + "x" + std::to_string(height) +
-                                  " is not a size; sides must be at least 1 and the pixels at most 2^28");
-    return static_cast<std::size_t>(width * height);
   }
 
   [[nodiscard]] std::size_t index(int x, int y) const {

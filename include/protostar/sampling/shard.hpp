@@ -67,9 +67,7 @@ struct SharedPicture {
     const auto require = [](bool holds, const std::string& what) {
       if (!holds) throw std::invalid_argument("SharedPicture: " + what);
     };
-    require(width >= 1 && height >= 1 && std::int64_t{width} * height <= Image::max_pixels,
-            std::to_string(width) + "x" + std::to_string(height) +
-                " is not a size; sides must be at least 1 and the pixels at most 2^28");
+    static_cast<void>(Image::require_size("SharedPicture", width, height));
     require(0 <= area.x0 && area.x0 < area.x1 && area.x1 <= width && 0 <= area.y0 && area.y0 < area.y1 &&
                 area.y1 <= height,
             "the area is " + text(area) + "; it must have pixels, all inside " + std::to_string(width) + "x" +
