@@ -8,6 +8,8 @@
 #include <functional>
 #include <sstream>
 #include <string>
+#include <system_error>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -17,6 +19,8 @@
 #include "support/run_stage.hpp"
 #include "support/wrong_cases.hpp"
 #if __has_include(<nlohmann/json.hpp>)
+#include <nlohmann/json.hpp>
+
 #include "support/run_render.hpp"
 #endif
 
@@ -238,6 +242,52 @@ TEST_CASE("the explanation of a pixel tells the emission of a surface apart from
   CAPTURE(checked.err);
   CHECK((checked.status == 0 || checked.status == 127));  // 127: python3 is not installed
 }
+
+TEST_CASE("the explanation of a pixel tells on which side of a ray's range a surface is crossed") {
+  const TemporaryFolder folder;
+  // The point at (0, 0, 4) is in the big sphere, whose center is behind it on the way to the light.
+  put_bytes(folder / "a.json", R"({
+    "settings": {"resolution-x": 9, "resolution-y": 9, "integrator": "shadow"},
+    "camera": {"projection": "perspective", "position": [0, 0, 0], "direction": [0, 0, 1], "upward": [0, 1, 0],
+               "field-of-view": 60},
+    "objects": [{"surface": {"type": "sphere", "position": [0, 0, 5], "radius": 1}, "color": [1, 1, 1]},
+                {"surface": {"type": "sphere", "position": [0, 0, 5], "radius": 100}, "color": [1, 1, 1]},
+                {"surface": {"type": "sphere", "position": [0, 0, 9], "radius": 1}, "color": [1, 1, 1]},
+                {"surface": {"type": "plane", "normal": [0, 1, 0], "distance": -9}, "color": [1, 1, 1]}],
+    "lights": [{"position": [0, 0, -5], "power": [1, 1, 1]}]
+  })");
+  const Outcome outcome = run_stage("render", "a.json --pixel 4,4", folder);
+  REQUIRE(outcome.status == 0);
+  std::size_t at = 0;
+  for (const char* text :
+       {"t = -9 / 0: parallel to the ray\n", "shadow ray, from", "sphere, center (0, 0, 5), radius 100",
+        ", no root in that range\n", "sphere, center (0, 0, 9)", ", roots below 0\n"}) {
+    CAPTURE(text);
+    const std::size_t next = outcome.out.find(text, at);
+    REQUIRE(next != std::string::npos);
+    at = next;
+  }
+}
+
+#if __has_include(<nlohmann/json.hpp>)
+TEST_CASE("the file of an explanation is JSON whatever the names of images are") {
+  const TemporaryFolder folder;
+  const std::string name = "a\n\x1b\"\\\xc3\xa9.png";
+  // A byte that is no character of UTF-8, as which some file systems allow no name.
+  std::error_code refused;
+  fs::create_directory(folder / "\xff", refused);
+  for (const auto& [of, written_of] : {std::pair<std::string, std::string>{"", ""}, {"\xff/", R"(\\xff/)"}}) {
+    if (!of.empty() && refused) continue;
+    fs::copy_file(fs::path(PROTOSTAR_SOURCE_DIR) / "tests" / "fuzz" / "pool" / "a.png", folder / (of + name));
+    put_bytes(folder / (of + "a.json"), scene_with_image(R"(a\n\u001b\"\\\u00e9.png)"));
+    REQUIRE(run_stage("render", of + "a.json --pixel 8,6 --explain e.json --quiet", folder).status == 0);
+    const auto written = nlohmann::json::parse(bytes_of(folder / "e.json"), nullptr, false);
+    REQUIRE(!written.is_discarded());
+    CHECK_THAT(written.dump(),
+               ContainsSubstring(R"("file":")" + written_of + "a\\n\\u001b\\\"\\\\\xc3\xa9.png\""));
+  }
+}
+#endif
 
 TEST_CASE("the explanation of a pixel tells what a normal map makes of the normal") {
   const TemporaryFolder folder;

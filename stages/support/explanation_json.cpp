@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <protostar/shown.hpp>
 #include <protostar/texture_image.hpp>
 #include <string_view>
@@ -43,11 +44,19 @@ class Json {
   void value(std::nullptr_t) { text_ += "null"; }
   void value(const std::string& x) { value(std::string_view(x)); }
   void value(const char* x) { value(std::string_view(x)); }
+  /// Writes a text. JSON has no bytes that belong to no character of UTF-8: \xNN stands for them (shown).
   void value(std::string_view x) {
     text_ += '"';
-    for (const char c : x) {
-      if (c == '"' || c == '\\') text_ += '\\';
-      text_ += c;
+    while (!x.empty()) {
+      const std::size_t size = protostar::detail::bytes_of_character(x);
+      const std::string_view character = x.substr(0, std::max<std::size_t>(size, 1));
+      if (size == 0)
+        text_.append("\\").append(shown(character));
+      else if (static_cast<unsigned char>(character[0]) < 0x20)
+        text_.append("\\u00").append(shown(character), 2);
+      else
+        text_.append(character == "\"" || character == "\\" ? "\\" : "").append(character);
+      x.remove_prefix(character.size());
     }
     text_ += '"';
   }

@@ -63,12 +63,13 @@ std::string text_of_equation(const Facts& e, bool is_hit) {
   if (e.type == "quadratic")
     return formatted("A t^2 - 2 b t + c = 0: A = %.6g, b = %.6g, c = %.6g, D = b^2 - A c = %.6g", number(0),
                      number(1), number(2), number(3)) +
-           (is_hit          ? ""
-            : number(3) < 0 ? ", no root"
-            : number(1) < 0 ? ", roots below 0"
-                            : "");
+           (is_hit                           ? ""
+            : number(3) < 0                  ? ", no root"
+            : number(1) < 0 && number(2) > 0 ? ", roots below 0"
+                                             : ", no root in that range");
   if (e.type == "linear")
-    return formatted("t = %.6g / %.6g", number(0), number(1)) + (is_hit ? ""
+    return formatted("t = %.6g / %.6g", number(0), number(1)) + (is_hit           ? ""
+                                                                 : number(1) == 0 ? ": parallel to the ray"
                                                                  : number(0) / number(1) <= 0
                                                                      ? ": behind the ray's start"
                                                                      : why_beside(e));
