@@ -285,6 +285,16 @@ TEST_CASE("the file of an explanation is JSON whatever the names of images are")
     REQUIRE(!written.is_discarded());
     CHECK_THAT(written.dump(),
                ContainsSubstring(R"("file":")" + written_of + "a\\n\\u001b\\\"\\\\\xc3\xa9.png\""));
+    if (!of.empty()) continue;  // whose name JSON does not hold
+    const auto check = [&] {
+      return run({.program = explanation_checker, .arguments = {"e.json"}, .folder = folder / ""});
+    };
+    if (check().status == 127) continue;  // python3 is not installed
+    CHECK(check().out == "e.json: right\n");
+    std::string text = bytes_of(folder / "e.json");
+    put_bytes(folder / "e.json", text.replace(text.find("\\u001b"), 6, "\\q"));
+    CHECK(check().status == 2);
+    CHECK_THAT(check().err, ContainsSubstring("/image/file is not a word of JSON"));
   }
 }
 #endif

@@ -1,10 +1,11 @@
 """Images of textures, normal maps and environments: PNG files of 8 bits, by zlib, and Radiance HDR files."""
+import json
 import math
 import zlib
 from fractions import Fraction
 
 from .functions import power
-from .values import Wrong
+from .values import Unreadable, Wrong
 
 CHANNELS = {0: 1, 2: 3, 3: 1, 4: 2, 6: 4}  # of a pixel, by the color type
 
@@ -16,7 +17,7 @@ class NotRead(Exception):
 class Png:
     """The codes of a PNG file (ISO 15948)."""
 
-    def __init__(self, path, data):
+    def __init__(self, name, data):
         at, compressed, self.palette = 8, b"", b""
         while at + 8 <= len(data):
             size, kind = int.from_bytes(data[at:at + 4], "big"), data[at + 4:at + 8]
@@ -29,11 +30,11 @@ class Png:
             elif kind == b"IDAT":
                 compressed += content
         if depth != 8 or is_interlaced:
-            raise NotRead(f"the image {path}, which has no codes of 8 bits row by row")
+            raise NotRead(f"the image {name}, which has no codes of 8 bits row by row")
         self.channels = CHANNELS[self.type]
         self.data, self.rows = zlib.decompress(compressed), []
         if len(self.data) < self.height * (self.width * self.channels + 1):
-            raise NotRead(f"the image {path}, which is not complete")
+            raise NotRead(f"the image {name}, which is not complete")
 
     def row(self, y):
         """Returns a row of codes, after those above: each code is the difference from a prediction by its neighbors."""
@@ -66,11 +67,11 @@ class Png:
 class Hdr:
     """The light of a Radiance HDR file: three mantissas and an exponent for each pixel, row by row, in runs or flat."""
 
-    def __init__(self, path, data):
+    def __init__(self, name, data):
         self.data, (head, found, rest) = data, data.partition(b"\n\n")
         size = rest[:rest.index(b"\n")].split()
         if len(size) != 4 or size[0] != b"-Y" or size[2] != b"+X":
-            raise NotRead(f"the image {path}, whose rows are not from left to right and from above")
+            raise NotRead(f"the image {name}, whose rows are not from left to right and from above")
         self.height, self.width = int(size[1]), int(size[3])
         self.at, self.rows = len(head) + len(found) + rest.index(b"\n") + 1, []
 
@@ -106,18 +107,18 @@ class Hdr:
         return [Fraction(m) * Fraction(2)**(exponent - 136) if exponent else Fraction(0) for m in mantissas]
 
 
-def image_of(path):
-    """Returns the image in a file, by its first bytes."""
+def image_of(path, name):
+    """Returns the image in a file, by its first bytes; the name is for messages."""
     try:
         with open(path, "rb") as file:
             data = file.read()
     except OSError as error:
-        raise NotRead(f"the image {path}, which cannot be read") from error
+        raise NotRead(f"the image {name}, which cannot be read") from error
     if data.startswith(b"\x89PNG\r\n\x1a\n"):
-        return Png(path, data)
+        return Png(name, data)
     if data.startswith((b"#?RADIANCE\n", b"#?RGBE\n")):
-        return Hdr(path, data)
-    raise NotRead(f"the image {path}, which is no PNG and no Radiance HDR")
+        return Hdr(name, data)
+    raise NotRead(f"the image {name}, which is no PNG and no Radiance HDR")
 
 
 def light_of_code(code):
@@ -160,19 +161,22 @@ class Images:
 
     def file(self, name, size, where):
         """Returns an image, and the reason if the file is none that can be read here."""
-        path = name.word().replace("\\\\", "\\").replace('\\"', '"')
+        try:
+            path = json.loads(f'"{name.word()}"')
+        except ValueError as error:
+            raise Unreadable(name.at("is not a word of JSON")) from error
         if not path:
             return None, "an image that is in no file"
         if path not in self.read:
             try:
-                self.read[path] = image_of(path)
+                self.read[path] = image_of(path, name.word())
             except (NotRead, zlib.error, ValueError, KeyError, IndexError) as error:
-                self.read[path] = error if isinstance(error, NotRead) else NotRead(f"the image {path}, which is damaged")
+                self.read[path] = error if isinstance(error, NotRead) else NotRead(f"the image {name.word()}, which is damaged")
         found = self.read[path]
         if isinstance(found, NotRead):
             return None, str(found)
         if [found.width, found.height] != size:
-            raise Wrong(where.at(f"is not the size of {path}, {found.width} by {found.height}"))
+            raise Wrong(where.at(f"is not the size of {name.word()}, {found.width} by {found.height}"))
         return found, None
 
     def light_at(self, name, size, where, column, row):
