@@ -220,6 +220,20 @@ TEST_CASE("a scene file's error is that of the picture, unless the command line 
   CHECK(samples_told(run_stage("render", "e.json --size 64x48", folder).out) == "16");
 }
 
+TEST_CASE("the progress of a picture with --time tells the remaining seconds, however many", "[long]") {
+  if (!has_terminals()) {
+    WARN("not tested: this system has no pseudo terminals");
+    return;
+  }
+  const TemporaryFolder folder;
+  Command command =
+      stage("render", words(scene_path("three_spheres") + " --time 1e300 --timeout 2 -o a.ppm"), folder / "");
+  command.terminal = true;
+  const Outcome outcome = run(command);
+  CHECK(outcome.status == 1);  // it has taken too long
+  CHECK_THAT(outcome.err, ContainsSubstring(", 1e+300 s left"));
+}
+
 TEST_CASE("a part in the scale of a whole picture tells the error of the picture, which is drawn") {
   const TemporaryFolder folder;
   put_bytes(folder / "s.json",

@@ -235,7 +235,7 @@ class Writer {
         json_.key("sets").array([&] {
           for (const auto& [set, numbers] : sample.sets)
             json_.next().object([&, set = set, &numbers = numbers] {
-              json_.member("set", static_cast<int>(set));
+              json_.member("set", set);
               json_.key("numbers").list(numbers);
             });
         });

@@ -192,7 +192,7 @@ std::string Stage::note_on_passes() const {
   const double error = options_.every_pixel ? report_.pixel_error : report_.error;
   if (std::isfinite(error)) note += ", error " + in_short(error);
   if (std::isfinite(report_.seconds_left))
-    note += ", " + std::to_string(static_cast<std::int64_t>(std::ceil(report_.seconds_left))) + " s left";
+    note += ", " + in_digits(std::ceil(report_.seconds_left), 15) + " s left";
   return note;
 }
 
