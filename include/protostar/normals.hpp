@@ -22,15 +22,14 @@ struct Tangents {
 
 /// Returns the unit normal that a normal map's direction, of any length, stands for on a surface with this
 /// unit normal. It is the surface's own where x and y are 0, and where the tangents span no plane.
-[[nodiscard]] inline Vec3 out_of_tangent_space(const Vec3& of_any_length, const Vec3& normal,
+[[nodiscard]] inline Vec3 out_of_tangent_space(const Vec3& direction, const Vec3& normal,
                                                const Tangents& tangents) {
-  const Vec3 direction = of_moderate_size(of_any_length);
-  const Vec3 across = cross(normal, of_moderate_size(tangents.u));
+  const Vec3 d = of_moderate_size(direction), across = cross(normal, of_moderate_size(tangents.u));
   const double side = dot(across, of_moderate_size(tangents.v));
-  if ((direction.x == 0 && direction.y == 0) || side == 0) return normal;
+  if ((d.x == 0 && d.y == 0) || side == 0) return normal;
   const Vec3 b = normalize(side > 0 ? across : -across);
   const Vec3 t = normalize(cross(across, normal));  // (n × u) × n = u − (n·u) n for a unit vector n
-  return normalize(direction.x * t + direction.y * b + direction.z * normal);
+  return normalize(d.x * t + d.y * b + d.z * normal);
 }
 
 /// Unit normals at a hit, or at those of a packet, all on one side of the surface.
