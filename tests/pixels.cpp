@@ -1,10 +1,13 @@
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <protostar/camera.hpp>
+#include <protostar/integrators/path.hpp>
 #include <protostar/integrators/shadow.hpp>
 #include <protostar/integrators/whitted.hpp>
 #include <protostar/pixel_grid.hpp>
 #include <protostar/render.hpp>
+#include <protostar/tone.hpp>
 #include <set>
 #include <vector>
 
@@ -86,6 +89,36 @@ TEST_CASE("a pixel is the mean of its samples, by tiles and ray by ray") {
       REQUIRE(std::max({difference.r, difference.g, difference.b}) <
               1e-5f);  // roundings of these sums, below 10
     }
+}
+
+TEST_CASE("a lamp of 1e9 is as bright by several samples as by one, after any exposure") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{.center = {0, 0, 3}, .radius = 1.5}, Material{.emission = Color{1e9f, 2e9f, 1.5f}});
+  const auto by_samples = [&](int samples, bool tiles, const auto& integrator) {
+    Image image(33, 25);
+    render(image, Camera{}, scene, integrator, {.samples = samples, .threads = 1, .tiles = tiles});
+    expose(image, 0x1p-31);
+    return image;
+  };
+  const auto compare = [&](const auto& integrator) {
+    for (const bool tiles : {true, false}) {
+      const Image one = by_samples(1, tiles, integrator), several = by_samples(16, tiles, integrator);
+      int inside = 0, edges = 0;
+      for (int y = 0; y < one.height(); ++y)
+        for (int x = 0; x < one.width(); ++x) {
+          const Color lamp = one(16, 12);
+          const float seen = std::round(several(x, y).r / lamp.r * 16);  // by so many of 16 samples
+          CHECK(several(x, y) == lamp * (seen / 16));
+          if (seen == 16) CHECK(one(x, y) == lamp);
+          inside += seen == 16;
+          edges += seen > 0 && seen < 16;
+        }
+      CHECK(inside > 100);
+      CHECK(edges > 20);
+    }
+  };
+  compare(WhittedIntegrator{});  // in packets
+  compare(PathIntegrator(scene));
 }
 
 TEST_CASE("a cropped image has the pixels of the whole picture") {

@@ -41,8 +41,7 @@ Color radiance(const SharedPicture& picture, int x, int y, std::uint32_t i) {
   Color color;
   for (float* const channel : {&color.r, &color.g, &color.b}) {
     bits = (bits ^ bits >> 31) * 0xd1342543de82ef95 + 1;
-    *channel =
-        static_cast<float>(static_cast<std::int64_t>(bits) >> 20) * (bits % 8 == 0 ? 0x1p-30f : 0x1p-44f);
+    *channel = static_cast<float>(static_cast<std::int64_t>(bits) >> 20) * (bits % 8 == 0 ? 1 : 0x1p-44f);
   }
   return color;
 }
@@ -416,8 +415,8 @@ TEST_CASE("a shard file that ends early, goes on or has another byte anywhere is
 TEST_CASE("a wrong number in a shard file is refused with its place and what is allowed") {
   const SharedPicture picture = picture_of(1, 4, 6);  // 4 pixels in one band of 2 blocks
   const std::string bytes = bytes_of(drawn(picture, UnitRange{0, 1}));
-  // 2 words of magic, the format, 6 words of numbers, 4 texts of 2 words, 3 of units, 4 · 10 of sums, 1.
-  REQUIRE(bytes.size() == 8 * (2 + 1 + 6 + 8 + 4 + 3 + 40 + 1));
+  // 2 words of magic, the format, 6 words of numbers, 4 texts of 2 words, 3 of units, 4 · 12 of sums, 1.
+  REQUIRE(bytes.size() == 8 * (2 + 1 + 6 + 8 + 4 + 3 + 48 + 1));
   struct Row {
     std::size_t word;
     std::uint64_t value;
@@ -426,7 +425,7 @@ TEST_CASE("a wrong number in a shard file is refused with its place and what is 
   constexpr std::uint64_t big = std::uint64_t{1} << 63;
   const auto row = GENERATE(
       Row{0, 0, "the file does not begin with 'protostar shard'"},
-      Row{2, 2, "byte 16: version 2 of .shard files; this program reads version 1"},
+      Row{2, 1, "byte 16: version 1 of .shard files; this program reads version 2"},
       Row{3, 1, "1x0 is not a size"}, Row{4, 1, "the area is columns 1 to 0 and rows 0 to 3"},
       Row{5, big | 1, "the area is columns 0 to 0 and rows 0 to -2147483649"},
       Row{6, std::uint64_t{3} << 32, "samples are 0"}, Row{6, 6, "samples in a unit are 0"},
@@ -443,16 +442,20 @@ TEST_CASE("a wrong number in a shard file is refused with its place and what is 
       Row{22, 3, "byte 176: first unit 3; allowed are 0 to 1"},
       Row{23, 0, "byte 184: end of a range of units 0; allowed are 1 to 2"},
       Row{23, 3, "byte 184: end of a range of units 3; allowed are 1 to 2"},
-      Row{24, big, "byte 192: a sum is beyond that of 2 samples"},
-      Row{24, (std::uint64_t{2} << 31) + 1, "byte 192: a sum is beyond that of 2 samples"},
-      Row{27, big, "byte 224: a sum is not canonical"}, Row{28, big, "byte 224: a sum is not canonical"},
-      Row{28, std::uint64_t{1} << 31, "byte 224: a sum is not canonical"});
+      // The first pixel has two samples in scrambling 0, of at most 2^94 units each, and one in scrambling 1.
+      Row{25, big, "byte 200: a sum is beyond that of 2 samples"},
+      Row{25, 1u << 31, "byte 200: a sum is beyond that of 2 samples"},
+      Row{29, (1u << 31) + 1, "byte 232: a sum is beyond that of 2 samples"},
+      Row{27, -(std::uint64_t{1} << 31) - 1, "byte 216: a sum is beyond that of 2 samples"},
+      Row{31, 1u << 30, "byte 248: a sum is beyond that of 1 samples"});
   CHECK_THAT(refusal(changed(bytes, 8 * row.word, row.value)),
              ContainsSubstring("'a.shard': ") && ContainsSubstring(row.message));
   // Two ranges of four units may be there, but none that would go on from the one before it.
   const std::string of_four = bytes_of(drawn(picture_of(1, 4, 10), UnitRange{0, 1}));
   CHECK_THAT(refusal(changed(changed(of_four, 8 * 21, 2), 8 * 23, 3)),
              ContainsSubstring("byte 184: a range of units ends at 3 of 4, and another should follow"));
+  for (const std::uint64_t high : {std::uint64_t{1} << 31, -(std::uint64_t{1} << 31)})  // just not beyond
+    CHECK(refusal(changed(changed(bytes, 8 * 24, 0), 8 * 25, high)).empty());
   CHECK(refusal(changed(bytes, 64, 7)).empty());  // another seed is a picture of its own
   CHECK(shard_of(changed(bytes, 64, 7)).picture().seed == 7);
 }

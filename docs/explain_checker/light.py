@@ -95,12 +95,12 @@ def position_in_pixel(i, count):
 
 
 def mean_of(samples):
-    """Returns the light of a single sample of weight 1, otherwise the mean of the weighted lights of the samples: up to 2^15,
+    """Returns the light of a single sample of weight 1, otherwise the mean of the weighted lights of the samples: up to 2^47,
     in units of 2^-47, added up exactly, and rounded once."""
     lights = [times_float(f32(sample["weight"].number()), sample["radiance"].vector()) for sample in samples]
     if len(lights) == 1 and samples[0]["weight"].number() == 1:
         return lights[0]
-    units = lambda x: round(min(max(x, Fraction(-(2**15))), Fraction(2**15)) * 2**47)
+    units = lambda x: round(min(max(x, Fraction(-(2**47))), Fraction(2**47)) * 2**47)
     return [f32(Fraction(sum(units(x) for x in channel), 2**47 * len(lights))) for channel in zip(*lights)]
 
 

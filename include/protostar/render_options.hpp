@@ -109,7 +109,7 @@ class PassOption {
 /// progress does not come to 1.
 struct RenderOptions {
   /// Rays through each pixel, which gets their mean (PixelGrid); 0: one through its center, and through that
-  /// of a lens. Of several, channels beyond ±2^15 count as ±2^15, and below 2^-48 as 0 (ExactSum).
+  /// of a lens. Of several, channels beyond ±2^47 count as ±2^47, and below 2^-48 as 0 (ExactSum).
   int samples = 0;
 
   /// Sampler that gives their places, and the numbers of integrators that take a sampler. By default it is

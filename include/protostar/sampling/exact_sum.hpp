@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 
+#include "../bit_cast.hpp"
 #include "../vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -15,26 +17,28 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Sum of fewer than 2^32 floats in fixed point. Integers add up without rounding, so the sum depends on the
 /// numbers and how often each was added, and on no order or grouping.
 ///
-/// A number x counts as the multiple of 2^-47 nearest to it, of two as near the even one, as q = x · 2^47 in
-/// two words:
-///   high += ⌊q / 2^31⌋,   low += q − 2^31 ⌊q / 2^31⌋.
-/// - Range: numbers beyond ±2^15, infinite ones too, count as ±2^15. Then |q| ≤ 2^62, so a number adds 2^31
-///   or less to the magnitude of each word, and fewer than 2^32 numbers keep both below 2^63.
+/// A number x counts as the multiple of 2^-47 nearest to it, of two as near the even one, and the sum is an
+/// integer of 128 bits in units of 2^-47.
+/// - Range: numbers beyond ±2^47, infinite ones too, count as ±2^47, which is 2^94 units; fewer than 2^32
+///   numbers keep the sum's magnitude below 2^126.
 /// - Resolution: a float of at least 2^-24 has the last of its 24 digits at 2^-47 or above, and counts
 ///   without error. A smaller one counts with an error of at most 2^-48.
 /// - NaN counts as 0: a sample that failed leaves the others of its pixel as they are.
 /// Negative numbers count like positive ones; filters with negative lobes give them.
 class ExactSum {
  public:
-  static constexpr float most = 0x1p15f;  ///< largest magnitude of a number that is added
+  static constexpr float most = 0x1p47f;  ///< largest magnitude of a number that is added
 
   /// Largest error with which a number of magnitude up to `most` counts.
   static constexpr double largest_rounding = 0x1p-48;
 
-  /// Integer high · 2^31 + low in units of 2^-47. It is canonical, and so tells equal sums by equal words, if
-  /// 0 ≤ low < 2^31.
+  /// Magnitude up to which a number is added as one word: 2^62 units.
+  static constexpr float most_in_word = 0x1p15f;
+
+  /// Integer high · 2^64 + low in units of 2^-47: in two's complement, whose words are equal for equal sums.
   struct Words {
-    std::int64_t high = 0, low = 0;
+    std::int64_t high = 0;
+    std::uint64_t low = 0;
 
     friend constexpr bool operator==(const Words& a, const Words& b) {
       return a.high == b.high && a.low == b.low;
@@ -47,71 +51,79 @@ class ExactSum {
   /// Constructs a sum from its words.
   constexpr explicit ExactSum(const Words& words) : words_(words) {}
 
-  /// Returns the canonical words: low's digits above the 31st are carried to high.
-  [[nodiscard]] constexpr Words words() const {
-    return {words_.high + (words_.low >> digits), words_.low & mask};
+  /// Returns n · 2^exponent units of 2^-47 as a sum, for an exponent from 0 to 63.
+  [[nodiscard]] static constexpr ExactSum of_units(std::int64_t n, int exponent) {
+    return ExactSum({n >> 1 >> (63 - exponent), static_cast<std::uint64_t>(n) << exponent});
   }
+
+  [[nodiscard]] constexpr Words words() const { return words_; }
 
   /// Returns the number that counts for a float.
   [[nodiscard]] static float bounded(float x) { return x == x ? std::clamp(x, -most, most) : 0; }
 
   /// Adds a number.
-  void add(float x) { add_bounded(bounded(x)); }
+  void add(float x) {
+    if (std::abs(x) <= most_in_word)
+      add_in_word(x);
+    else
+      add_large(x);
+  }
 
-  /// Adds a number that is known to lie in [-most, most].
+  /// Adds a number that is known to lie in [-most_in_word, most_in_word].
   ///
   /// Adding 48 and taking it away rounds x. Up to 16, x + 48 lies between 32 and 64, where doubles are the
   /// multiples of 2^-47. Beyond, x is a multiple of 2^-19, and the sum is exact.
-  void add_bounded(float x) {
+  void add_in_word(float x) {
     const double rounded = (static_cast<double>(x) + 48) - 48;
-    const auto units = static_cast<std::int64_t>(rounded * 0x1p47);
-    words_.high += units >> digits;
-    words_.low += units & mask;
+    *this += of_units(static_cast<std::int64_t>(rounded * 0x1p47), 0);
   }
 
-  /// Adds the numbers of another sum; together they must be fewer than 2^32.
-  constexpr ExactSum& operator+=(const ExactSum& other) {
-    words_.high += other.words_.high, words_.low += other.words_.low;
+  /// Adds the numbers of another sum, or of this one once more; together they must be fewer than 2^32.
+  constexpr ExactSum& operator+=(ExactSum other) {
+    words_.low += other.words_.low;
+    words_.high += words_.low < other.words_.low ? 1 : 0;  // the carry, first: for g++ one instruction
+    words_.high += other.words_.high;
     return *this;
   }
 
-  friend constexpr bool operator==(const ExactSum& a, const ExactSum& b) { return a.words() == b.words(); }
+  friend constexpr bool operator==(const ExactSum& a, const ExactSum& b) { return a.words_ == b.words_; }
 
-  /// Returns the sum with a relative error of at most 2^-52. Up to 2^53 high is exact, and only the sum of
-  /// both words is rounded. A larger one is rounded too, and low is less than one of its units.
-  [[nodiscard]] double value() const {
-    const Words sum = words();
-    return static_cast<double>(sum.high) * 0x1p-16 + static_cast<double>(sum.low) * 0x1p-47;
-  }
+  /// Returns the double nearest to the sum, of two as near the one with an even last digit.
+  [[nodiscard]] double value() const { return quotient<double>(1); }
 
   /// Returns the float nearest to sum/count, of two as near the one with an even last digit; 0 for no
   /// numbers. The mean of equal floats that count without error is that float.
-  ///
-  /// The quotient grows by long division, 31 binary digits at a time, until it has at least 33, or nothing is
-  /// left. A rest then is told by an odd last digit, which is below all that the rounding to 24 digits keeps
-  /// or ties on. Each step stays below 2^63: a rest is less than count < 2^32, and a quotient that goes on
-  /// less than 2^32.
-  [[nodiscard]] float mean(std::uint32_t count) const {
-    if (count == 0) return 0;
-    Words sum = words();
-    const bool is_negative = sum.high < 0;
-    if (is_negative) sum = ExactSum({-sum.high, -sum.low}).words();
-    auto next = static_cast<std::uint64_t>(sum.low);
-    std::uint64_t quotient = static_cast<std::uint64_t>(sum.high) / count;
-    std::uint64_t rest = static_cast<std::uint64_t>(sum.high) % count;
-    double unit = 0x1p-16;
-    for (; quotient >> 32 == 0 && (rest | next) != 0; unit *= 0x1p-31, next = 0) {
-      const std::uint64_t shifted = rest << digits | next;
-      quotient = quotient << digits | shifted / count;
-      rest = shifted % count;
-    }
-    const auto magnitude = static_cast<float>(quotient | ((rest | next) != 0 ? 1u : 0u));
-    return to_float((is_negative ? -1.0 : 1.0) * (static_cast<double>(magnitude) * unit));  // both exact
-  }
+  [[nodiscard]] float mean(std::uint32_t count) const { return count == 0 ? 0 : quotient<float>(count); }
 
  private:
-  static constexpr int digits = 31;
-  static constexpr std::int64_t mask = (std::int64_t{1} << digits) - 1;
+  /// Adds a number beyond ±most_in_word, or NaN: a float that large is a multiple of 2^-8, which is 2^39
+  /// units. Out of line, it takes no registers from what adds ordinary light.
+  [[gnu::noinline]] void add_large(float x) {
+    *this += of_units(static_cast<std::int64_t>(bounded(x) * 0x1p8f), 39);
+  }
+
+  /// Returns sum/count, rounded once.
+  ///
+  /// The sum's magnitude, below 2^126, is shifted up until its highest binary digit is that of 2^126. The
+  /// upper word, of 63 digits, is divided by count < 2^32: a quotient of 31 digits at least, and all 63 for a
+  /// count of 1. If something is left, an odd last digit tells so, which is below all that the rounding to
+  /// Float keeps or ties on: 25 digits of any quotient, and 54 of a sum.
+  template <class Float>
+  [[nodiscard]] Float quotient(std::uint32_t count) const {
+    const bool is_negative = words_.high < 0;
+    auto high = static_cast<std::uint64_t>(words_.high), low = words_.low;
+    if (is_negative) low = ~low + 1, high = ~high + (low == 0 ? 1 : 0);
+    const int shift = (high != 0 ? std::countl_zero(high) : 64 + std::countl_zero(low)) - 1;
+    if (shift < 64)
+      high = high << shift | low >> (64 - shift), low <<= shift;
+    else
+      high = low << (shift - 64), low = 0;
+    const bool is_rest = (high % count | low) != 0;
+    const auto digits = static_cast<Float>(static_cast<std::int64_t>(high / count | (is_rest ? 1 : 0)));
+    // A power of two, by its exponent. The product is exact, also as a float: it is 2^-79 at least.
+    const double unit = detail::bit_cast<double>(static_cast<std::uint64_t>(1023 + 17 - shift) << 52);
+    return static_cast<Float>(static_cast<double>(digits) * (is_negative ? -unit : unit));
+  }
 
   Words words_;
 };
@@ -120,15 +132,17 @@ class ExactSum {
 struct ExactColorSum {
   std::array<ExactSum, 3> channels;
 
-  /// Adds a color. One comparison tells that all channels are in range: each square is at most the sum, which
-  /// is NaN if a channel is.
+  /// Adds a color. One comparison tells that each channel is added as a word: its square is at most the sum
+  /// of the squares, which is NaN if a channel is.
   void add(Color color) {
-    constexpr float square = ExactSum::most * ExactSum::most;
-    if (!(color.r * color.r + color.g * color.g + color.b * color.b < square)) [[unlikely]]
-      color = {ExactSum::bounded(color.r), ExactSum::bounded(color.g), ExactSum::bounded(color.b)};
-    channels[0].add_bounded(color.r);
-    channels[1].add_bounded(color.g);
-    channels[2].add_bounded(color.b);
+    constexpr float square = ExactSum::most_in_word * ExactSum::most_in_word;
+    if (color.r * color.r + color.g * color.g + color.b * color.b < square) [[likely]] {
+      channels[0].add_in_word(color.r);
+      channels[1].add_in_word(color.g);
+      channels[2].add_in_word(color.b);
+    } else {
+      channels[0].add(color.r), channels[1].add(color.g), channels[2].add(color.b);
+    }
   }
 
   constexpr ExactColorSum& operator+=(const ExactColorSum& other) {

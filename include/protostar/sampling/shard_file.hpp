@@ -2,7 +2,7 @@
 //
 // A .shard file consists of words of 8 bytes, the lowest byte first on any machine:
 //   "protostar shard\n"                                     2 words
-//   version of the format: 1
+//   version of the format: 2
 //   width, height; x0, y0; x1, y1; samples, samples in a unit; rows in a unit, 0      each pair in one word
 //   seed
 //   version of the library, sampler, filter, scene
@@ -10,9 +10,9 @@
 //   exposure as a double; tone, 1 if plain; transfer, 0; exponent of a gamma as a double, otherwise 0
 //   number of ranges of units, and of each its first unit and the one after its last
 //   for each band with units, in their order, for each pixel in rows, for both scramblings:
-//     high words of r, g and b; low words of r, g; low word of b, 0
+//     low and high word of r, of g and of b (ExactSum::Words)
 //   checksum of all words before it
-// Nothing is in it twice, and sums are canonical: equal shards have equal bytes.
+// Nothing is in it twice, and equal sums have equal words: equal shards have equal bytes.
 #pragma once
 
 #include <algorithm>
@@ -43,40 +43,30 @@ namespace protostar::inline PROTOSTAR_ABI {
 namespace detail {
 
 inline constexpr std::string_view shard_magic = "protostar shard\n";
-inline constexpr std::uint64_t shard_format = 1;
+inline constexpr std::uint64_t shard_format = 2;
 
 inline void put_sums(auto& writer, const PixelSums& pixel) {
-  for (const ExactColorSum& sum : pixel.sums) {
-    std::array<std::uint64_t, 3> low;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const ExactSum::Words words = sum.channels[i].words();
+  for (const ExactColorSum& sum : pixel.sums)
+    for (const ExactSum& channel : sum.channels) {
+      const ExactSum::Words words = channel.words();
+      writer.put(words.low);
       writer.put(static_cast<std::uint64_t>(words.high));
-      low[i] = static_cast<std::uint64_t>(words.low);
     }
-    writer.put(low[0], low[1]);
-    writer.put(low[2], 0);
-  }
 }
 
 /// Reads the sums of a pixel that has counts[k] samples in scrambling k. Fails at a sum that is larger than
-/// as many samples can make it, or not canonical.
+/// as many samples can make it, 2^94 units each.
 inline PixelSums get_sums(auto& reader, const std::array<std::uint32_t, scramblings>& counts) {
   PixelSums pixel{.sums = {}, .counts = counts};
-  for (std::size_t k = 0; k < scramblings; ++k) {
-    std::array<std::int64_t, 3> high;
-    for (std::int64_t& word : high) {
-      word = static_cast<std::int64_t>(reader.get());
-      const std::int64_t most = std::int64_t{counts[k]} << 31;
-      if (word < -most || word > most)
+  for (std::size_t k = 0; k < scramblings; ++k)
+    for (ExactSum& channel : pixel.sums[k].channels) {
+      const std::uint64_t low = reader.get();
+      const auto high = static_cast<std::int64_t>(reader.get());
+      const std::int64_t most = std::int64_t{counts[k]} << 30;
+      if (high < -most || high > most || (high == most && low != 0))
         reader.fail_at_word("a sum is beyond that of " + std::to_string(counts[k]) + " samples");
+      channel = ExactSum({high, low});
     }
-    const auto [r, g] = reader.get_pair();
-    const auto [b, none] = reader.get_pair();
-    if ((r | g | b) >> 31 != 0 || none != 0) reader.fail_at_word("a sum is not canonical");
-    const std::array<std::uint32_t, 3> low{r, g, b};
-    for (std::size_t i = 0; i < 3; ++i)
-      pixel.sums[k].channels[i] = ExactSum({.high = high[i], .low = std::int64_t{low[i]}});
-  }
   return pixel;
 }
 
