@@ -10,7 +10,6 @@
 #include <cstring>
 #include <type_traits>
 
-#include "../bit_cast.hpp"
 #include "../platform.hpp"
 #include "simd.hpp"
 #include "vector_registers.hpp"
@@ -213,8 +212,12 @@ template <int N>
   return 2.0 * Lanes<double, N>((detail::Vector<double, N>)(bits & exponent).v);
 #else
   return Lanes<double, N>::of_each([&](int i) {
-    return 2 *
-           protostar::detail::bit_cast<double>(protostar::detail::bit_cast<std::uint64_t>(x[i]) & exponent);
+    double number = x[i];
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &number, sizeof bits);
+    bits &= exponent;
+    std::memcpy(&number, &bits, sizeof bits);
+    return 2 * number;
   });
 #endif
 }
