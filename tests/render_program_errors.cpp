@@ -117,6 +117,33 @@ TEST_CASE("wrong options of render are reported before the scene is read, except
   }
 }
 
+TEST_CASE("an integrator for which a scene lacks something is refused by the option that asks for it") {
+  struct Row {
+    std::string integrator, why;
+  };
+  const std::string no_march =
+      "no surface of the scene is marched with a proof, so that there is nothing to show; surfaces of "
+      "distance fields are";
+  const std::vector<Row> rows{{"evaluations", no_march},
+                              {"enclosure-width", no_march},
+                              {"distance-shadow",
+                               "surface 1 of the scene, counted from 0 in the order of its types, tells no "
+                               "distance; marched surfaces, boxes, spheres and planes do, and surfaces with "
+                               "double distance_bound(const Point&) const"},
+                              {"distance-occlusion", "the settings have no occlusion-distance"}};
+  const TemporaryFolder folder;
+  for (const Row& row : rows) {
+    CAPTURE(row.integrator);
+    const Outcome outcome =
+        run_stage("render", scene_path("mesh") + " --size 8x6 --integrator " + row.integrator, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err == "render: --integrator: '" + row.integrator + "' is not possible with this scene: " +
+                             row.why + "\nRun with --help for what is allowed.\n");
+  }
+  CHECK(folder.count() == 0);
+}
+
 TEST_CASE("the stages refuse render's option for the integrator of a scene file") {
   const TemporaryFolder folder;
   CHECK(run_stage("09_shadow", "--integrator color", folder).status == 2);

@@ -45,15 +45,15 @@ class CountedMarch final : public MarchListener {
 /// stays in its place and gets no further surfaces. Threads may share them.
 class SceneMarches {
  public:
-  /// Throws std::invalid_argument, in the name of an integrator, if no surface is marched.
+  /// Throws std::invalid_argument, with a message that begins with `of`, if no surface is marched.
   template <Surface... S>
-  SceneMarches(const Scene<S...>& scene, const std::string& integrator) : scene_(scene) {
+  SceneMarches(const Scene<S...>& scene, const std::string& of) : scene_(scene) {
     (add(scene.template surfaces<S>()), ...);
     if (fields_.empty())
       throw std::invalid_argument(
-          integrator +
-          ": no surface of the scene is marched with a proof, so that there is nothing to show; "
-          "surfaces of distance fields are");
+          of +
+          "no surface of the scene is marched with a proof, so that there is nothing to show; surfaces of "
+          "distance fields are");
   }
 
   /// Calls visit(surface, const CountedMarch&) with the march of a ray along each field, as far as the
@@ -97,12 +97,12 @@ class SceneMarches {
 /// and all surfaces with a distance_bound, that do not move. Valid as long as SceneMarches are.
 class SceneDistances {
  public:
-  /// Throws std::invalid_argument, in the name of an integrator, if a surface that emits no light tells no
-  /// distance.
+  /// Throws std::invalid_argument, with a message that begins with `of`, if a surface that emits no light
+  /// tells no distance.
   template <Surface... S>
-  SceneDistances(const Scene<S...>& scene, const std::string& integrator) : scene_(scene) {
+  SceneDistances(const Scene<S...>& scene, const std::string& of) : scene_(scene) {
     std::size_t index = 0;
-    (add(scene.template surfaces<S>(), scene.template materials<S>(), integrator, index), ...);
+    (add(scene.template surfaces<S>(), scene.template materials<S>(), of, index), ...);
   }
 
   /// Returns a lower bound of the distance, in scene units, from a point to the nearest surface that emits no
@@ -144,8 +144,8 @@ class SceneDistances {
   /// Adds those of some surfaces that emit no light. `index` is that of the first in the scene, and becomes
   /// that behind the last.
   template <class T>
-  void add(const SceneVector<T>& surfaces, const SceneVector<Material>& materials,
-           const std::string& integrator, std::size_t& index) {
+  void add(const SceneVector<T>& surfaces, const SceneVector<Material>& materials, const std::string& of,
+           std::size_t& index) {
     for (std::size_t i = 0; i < surfaces.size(); ++i, ++index) {
       if (!is_black(materials[i].emission)) continue;
       if constexpr (knows_distance<T>)
@@ -158,7 +158,7 @@ class SceneDistances {
           continue;
         }
       throw std::invalid_argument(
-          integrator + ": surface " + std::to_string(index) +
+          of + "surface " + std::to_string(index) +
           " of the scene, counted from 0 in the order of its types, tells no distance; marched surfaces, "
           "boxes, spheres and planes do, and surfaces with double distance_bound(const Point&) const");
     }

@@ -5,6 +5,7 @@
 #include "chance_pictures.hpp"
 #include "command_line.hpp"
 #include "march_pictures.hpp"
+#include "option_values.hpp"
 #include "pictures.hpp"
 #include "scene_pictures.hpp"
 
@@ -18,7 +19,11 @@ void draw(Image& image, const SceneFile& file, const std::string& integrator,
   const int shares = is_open ? std::min(options.max_samples, 1024) : options.samples;
   if (const auto refusal = refusal_of_samples(shares, file.scene.lights().size()))
     throw UsageError(is_open ? "--max-samples" : "--samples", *refusal);
-  require_integrator(integrator, file);
+  try {
+    require_integrator(integrator, file);
+  } catch (const std::invalid_argument& error) {  // not the scene's, which was checked when it was read
+    refuse("--integrator", integrator, std::string("possible with this scene: ") + error.what());
+  }
   const double farthest = file.occlusion_distance.value_or(infinity);
   const auto draw_with = [&](const auto& chosen) { render(image, file.camera, file.scene, chosen, options); };
   if (integrator == "binary") return draw_with(BinaryIntegrator{});

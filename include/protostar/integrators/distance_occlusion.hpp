@@ -39,7 +39,7 @@ struct DistanceOcclusionIntegrator : FirstHit<DistanceOcclusionIntegrator> {
   /// std::invalid_argument if no distance is known for a surface that emits no light.
   template <Surface... S>
   DistanceOcclusionIntegrator(const Scene<S...>& scene, double farthest)
-      : distances(scene, "DistanceOcclusionIntegrator"), distance(farthest) {}
+      : distances(scene, "DistanceOcclusionIntegrator: "), distance(farthest) {}
 
   /// Throws std::invalid_argument unless the distance is finite and greater than 0. render calls it.
   void validate() const {

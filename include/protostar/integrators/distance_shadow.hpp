@@ -32,17 +32,17 @@ struct DistanceShadowIntegrator : FirstHit<DistanceShadowIntegrator> {
   SceneDistances distances;
 
   /// Prepares lights and distances of a scene; pictures of that scene can then be drawn. Throws
-  /// std::invalid_argument if a surface with an emission is no sphere at rest, or a surface that is no light
-  /// tells no distance.
+  /// std::invalid_argument, with a message that begins with `of`, if a surface with an emission is no sphere
+  /// at rest, or a surface that is no light tells no distance.
   template <Surface... S>
-  explicit DistanceShadowIntegrator(const Scene<S...>& scene)
-      : lights(scene), distances(scene, "DistanceShadowIntegrator") {
+  explicit DistanceShadowIntegrator(const Scene<S...>& scene,
+                                    const std::string& of = "DistanceShadowIntegrator: ")
+      : lights(scene), distances(scene, of) {
     bool are_spheres = lights.others() == 0;
     for (const AreaLight& light : lights.lights()) are_spheres = are_spheres && light.sphere() != nullptr;
     if (!are_spheres)
       throw std::invalid_argument(
-          "DistanceShadowIntegrator: surfaces that emit light must be spheres that do not move; another is "
-          "in the scene");
+          of + "surfaces that emit light must be spheres that do not move; another is in the scene");
   }
 
   /// Throws std::logic_error if the scene is not the one of the lights.

@@ -23,7 +23,8 @@ struct EnclosureWidthIntegrator {
   /// Prepares the marches of a scene; pictures of that scene can then be drawn. Throws std::invalid_argument
   /// if no surface is marched.
   template <Surface... S>
-  explicit EnclosureWidthIntegrator(const Scene<S...>& scene) : marches(scene, "EnclosureWidthIntegrator") {}
+  explicit EnclosureWidthIntegrator(const Scene<S...>& scene)
+      : marches(scene, "EnclosureWidthIntegrator: ") {}
 
   /// Returns the bits to which the closest hit is proven, nothing if it is not on a marched surface, and 0
   /// for a touch. The logarithm is exact at powers of 2 and interpolated linearly between them, which is too

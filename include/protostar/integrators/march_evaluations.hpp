@@ -22,7 +22,7 @@ struct MarchEvaluationsIntegrator {
   /// if no surface is marched.
   template <Surface... S>
   explicit MarchEvaluationsIntegrator(const Scene<S...>& scene, double white = 128)
-      : marches(scene, "MarchEvaluationsIntegrator"), most(white) {}
+      : marches(scene, "MarchEvaluationsIntegrator: "), most(white) {}
 
   /// Throws std::invalid_argument unless `most` is greater than 0. render calls it.
   void validate() const {

@@ -14,11 +14,9 @@
 #include "../any_scene.hpp"
 #include "../camera.hpp"
 #include "../encode.hpp"
-#include "../integrators/distance_occlusion.hpp"
 #include "../integrators/distance_shadow.hpp"
-#include "../integrators/enclosure_width.hpp"
-#include "../integrators/march_evaluations.hpp"
 #include "../integrators/whitted.hpp"
+#include "../scene_fields.hpp"
 #include "../tone.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -88,15 +86,15 @@ struct SceneFile {
 };
 
 /// Throws std::invalid_argument if the scene and the settings of a file lack what an integrator needs:
-/// marched surfaces, distances from all surfaces, or lamps that are spheres.
+/// marched surfaces, distances from all surfaces, or lamps that are spheres. The message names no integrator,
+/// as the caller knows by which word it was asked for.
 inline void require_integrator(std::string_view integrator, const SceneFile& file) {
-  if (integrator == "evaluations") static_cast<void>(MarchEvaluationsIntegrator(file.scene));
-  if (integrator == "enclosure-width") static_cast<void>(EnclosureWidthIntegrator(file.scene));
-  if (integrator == "distance-shadow") static_cast<void>(DistanceShadowIntegrator(file.scene));
+  if (integrator == "evaluations" || integrator == "enclosure-width")
+    static_cast<void>(SceneMarches(file.scene, ""));
+  if (integrator == "distance-shadow") static_cast<void>(DistanceShadowIntegrator(file.scene, ""));
   if (integrator == "distance-occlusion") {
-    if (!file.occlusion_distance)
-      throw std::invalid_argument("distance-occlusion: the settings have no occlusion-distance");
-    static_cast<void>(DistanceOcclusionIntegrator(file.scene, *file.occlusion_distance));
+    if (!file.occlusion_distance) throw std::invalid_argument("the settings have no occlusion-distance");
+    static_cast<void>(SceneDistances(file.scene, ""));
   }
 }
 
