@@ -13,6 +13,7 @@
 #include <protostar/version.hpp>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -87,6 +88,22 @@ TEST_CASE("every stage takes every option") {
   CHECK(outcome.err == "");
   CHECK(bytes_of(folder / "a.ppm").starts_with("P3\n7 5\n65535\n"));
   CHECK(folder.count() == 1);
+}
+
+TEST_CASE("options about rays and samples are refused for a picture that is drawn without any") {
+  const TemporaryFolder folder;
+  for (const auto& [option, arguments] : {std::pair{"--rays", "--pixel 3,4 --rays a.svg"},
+                                          {"--shard", "--samples 4 --shard 0/2 -o a.shard"},
+                                          {"--checkpoint", "--samples 4 --checkpoint c"}}) {
+    CAPTURE(option);
+    const Outcome outcome = run_stage("01_gradient", arguments, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err == std::string("01_gradient: ") + option +
+                             ": is for pictures that are drawn by rays, and this one is drawn without any\n"
+                             "Run with --help for what is allowed.\n");
+  }
+  CHECK(folder.count() == 0);
 }
 
 TEST_CASE("the options --version and --help print to stdout and draw nothing") {

@@ -620,10 +620,6 @@ TEST_CASE("the option --rays draws the rays of a pixel as SVG or OBJ") {
   CHECK_THAT(obj, ContainsSubstring("v 0 3 0\n"));
   CHECK(obj.ends_with("g camera\nl 1 2\ng shadow\nl 3 4\n"));
   CHECK(folder.count() == 2);
-
-  const Outcome without = run_stage("01_gradient", "--pixel 3,4 --quiet --rays b.svg", folder);
-  CHECK(without.status == 1);
-  CHECK(without.err == "01_gradient: --rays: the pixel was drawn without rays\n");
 }
 
 TEST_CASE("a file of an explanation that cannot be written is an error, and none is left") {

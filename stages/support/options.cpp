@@ -260,6 +260,14 @@ ShardNumber read_shard(std::string_view text) {
   }
 }
 
+/// Refuses options about rays and samples for a picture that is drawn without any.
+void check_rays(const CommandLine& line, const Options& options) {
+  if (!options.fills_whole) return;
+  for (const char* const option : {"--shard", "--checkpoint", "--rays"})
+    if (line.given(option))
+      throw UsageError(option, "is for pictures that are drawn by rays, and this one is drawn without any");
+}
+
 /// Refuses options that make no sense with a shard or a checkpoint, and .shard files of whole pictures.
 void check_parts(const CommandLine& line, const Options& options) {
   for (const char* const part : {"--shard", "--checkpoint"})
@@ -380,6 +388,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.output = output;
     if (line.given("--shard")) options.shard = read_shard(shard);
     options.checkpoint = checkpoint;
+    check_rays(line, options);
     check_parts(line, options);
     options.format = options.shard ? Options::Format::shard : format_of(options.output, "-o");
     const std::optional<Transfer> own_transfer = file.read(line, options);

@@ -35,7 +35,7 @@ struct StageDefaults {
   protostar::Tone tone = protostar::Tone::clip;  ///< not applied to files of linear light
   double exposure = 1;  ///< factor on the light that the program applies, for the explanation of a pixel
   bool plain = false;
-  bool fills_whole = false;                ///< true if the stage fills all pixels itself, not render
+  bool fills_whole = false;                ///< true if the stage fills all pixels itself, without rays
   std::vector<NumberOption> numbers = {};  ///< options of this stage alone
 
   /// Names of integrators that the option --show chooses from; without names there is no such option.
@@ -100,7 +100,7 @@ struct Options {
   std::string scene = {};                 ///< fingerprint of the files that the scene consists of
   protostar::Crop crop = {};              ///< in the picture, if width and height are those of a part of it
   bool plain = false;
-  bool fills_whole = false;  ///< true if the stage fills all pixels itself, also those outside of the crop
+  bool fills_whole = false;  ///< StageDefaults::fills_whole; pixels outside of the crop are filled, too
   bool quiet = false;
   double exposure = 1;
   std::optional<Pixel> pixel = {};     ///< explained, and nothing is drawn; the crop is then that of no part

@@ -41,8 +41,8 @@ class Stage {
   /// unless the file holds linear light, and prints a line about it. With --pixel, prints the explanation
   /// instead, and writes the files of it that are asked for. Throws std::system_error if it cannot.
   ///
-  /// A shard is saved instead of the image, with --shard. Throws std::runtime_error if the stage has drawn
-  /// its picture without samples that could be shared. After that, the checkpoint is removed.
+  /// A shard is saved instead of the image, with --shard. Throws std::logic_error if the stage has drawn
+  /// its picture without rays, and not declared so. After that, the checkpoint is removed.
   void save(const protostar::Image& image);
 
   /// Prints how many pixels of an image are wrong: more than one level of 255 off the exact image of the same

@@ -60,7 +60,7 @@ void Stage::tell(const Image& image) {
   }
   if (!options_.explain.empty()) save_text(options_.explain, json_of(explanation, options_));
   if (!options_.rays.empty()) {
-    if (!explanation.is_traced) throw std::runtime_error("--rays: the pixel was drawn without rays");
+    if (!explanation.is_traced) throw std::logic_error("a stage draws without rays, and has not declared so");
     save_text(options_.rays, rays_of(explanation, ends_in(options_.rays, ".svg")));
   }
   explanation_.reset();

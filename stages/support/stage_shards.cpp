@@ -28,9 +28,7 @@ void Stage::share(StageRenderOptions& options) const {
 }
 
 std::string Stage::save_shared() const {
-  if (!shared_->shard())
-    throw std::runtime_error(std::string(options_.shard ? "--shard" : "--checkpoint") +
-                             ": this picture is drawn without rays, so it has no samples");
+  if (!shared_->shard()) throw std::logic_error("a stage draws without rays, and has not declared so");
   if (!options_.shard) return {};
   save_shard(*shared_->shard(), options_.output);
   return std::to_string(shared_->shard()->units().count()) + " of " +

@@ -193,17 +193,6 @@ TEST_CASE("slurm and mpi read the number of the shard from the environment, if i
   }
 }
 
-TEST_CASE("a picture without rays has no samples to be shared") {
-  const TemporaryFolder folder;
-  CHECK(run_stage("01_gradient", "--samples 4 --shard 0/2 -o a.shard", folder).err ==
-        "01_gradient: --shard: this picture is drawn without rays, so it has no samples\n");
-  const Outcome outcome = run_stage("01_gradient", "--samples 4 --checkpoint c", folder);
-  CHECK(outcome.status == 1);
-  CHECK(outcome.err ==
-        "01_gradient: --checkpoint: this picture is drawn without rays, so it has no samples\n");
-  CHECK(folder.count() == 0);
-}
-
 TEST_CASE("merge refuses shards of other pictures, missing and doubled parts, and damaged files") {
   const TemporaryFolder folder;
   const std::string stage = "13_whitted";
