@@ -106,12 +106,28 @@ TEST_CASE("integrators that draw by chance refuse the sampler hammersley, which 
     CHECK(run_stage(stage, "--size 8x6 --samples 2 --sampler hammersley --quiet", folder).status == 0);
 }
 
-TEST_CASE("the scene's sampler hammersley is refused for --integrator path too, without --sampler") {
+TEST_CASE("a scene's sampler or filter that options exclude is told by the file and the key") {
   const TemporaryFolder folder;
-  const Outcome outcome =
-      run_stage("render", scene_path("sampler_hammersley") + " --size 8x6 --integrator path", folder);
-  CHECK(outcome.status == 2);
-  CHECK_THAT(outcome.err, ContainsSubstring("--sampler: 'hammersley' is not possible here"));
+  put_bytes(folder / "s.json", changed_three_spheres("\"resolution-x\"",
+                                                     "\"sampler\": \"hammersley\", \"filter\": "
+                                                     "\"mitchell\", \"resolution-x\""));
+  const std::string sampler = "render: s.json: /settings/sampler: 'hammersley' is not possible ";
+  for (const auto& [arguments, message] : std::vector<std::array<std::string, 2>>{
+           {"--integrator path", sampler + "here: the integrator path draws by chance"},
+           {"--error 1", sampler + "with --error, --time and --noise"},
+           {"--samples 4 --shard 0/2 -o a.shard", sampler + "with --shard"},
+           {"--sampler sobol --error 1 --clamp 1 --every-pixel",
+            "render: s.json: /settings/filter: 'mitchell' is not possible with --every-pixel"},
+           {"--sampler hammersley --error 1", "render: --sampler: 'hammersley' is not possible with --error"},
+           {"--filter mitchell --sampler sobol --error 1 --clamp 1 --every-pixel",
+            "render: --filter: 'mitchell' is not possible with --every-pixel"}}) {
+    CAPTURE(arguments);
+    const Outcome outcome = run_stage("render", "s.json --size 8x6 " + arguments, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err.starts_with(message));
+  }
+  CHECK(folder.count() == 1);
 }
 
 TEST_CASE("a target that is not met writes the picture, says its error and ends with 1") {

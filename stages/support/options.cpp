@@ -189,19 +189,25 @@ void read_pass_options(const CommandLine& line, const PassTexts& texts, Options&
   options.every_pixel = texts.every_pixel;
 }
 
+/// Names of the settings that other options may exclude, for messages: the option, or the key of the scene
+/// file if the option is not given.
+struct SettingNames {
+  std::string sampler, filter;
+};
+
 /// Refuses options of passes that make no sense together, when all settings are known.
-void check_passes(const PassTexts& texts, const Options& options) {
+void check_passes(const PassTexts& texts, const SettingNames& names, const Options& options) {
   const bool is_open = options.error > 0 || options.seconds > 0;
   if (!texts.max_samples.empty() && !is_open) throw UsageError("--max-samples requires --error or --time");
   if (options.every_pixel && options.error == 0) throw UsageError("--every-pixel requires --error E");
   if (options.every_pixel && options.clamp == 0)
     throw UsageError("--every-pixel requires --clamp C: without a largest light nothing can be proven");
   if (options.every_pixel && options.filter == "mitchell")
-    refuse("--filter", options.filter, "possible with --every-pixel, since it has negative weights");
+    refuse(names.filter, options.filter, "possible with --every-pixel, since it has negative weights");
   if (!options.noise.empty() && !is_open && options.samples < 2)
     throw UsageError("--noise requires --error, --time or --samples N of at least 2");
   if (options.in_passes() && (options.sampler == "hammersley" || options.sampler == "stratified"))
-    refuse("--sampler", options.sampler,
+    refuse(names.sampler, options.sampler,
            std::string("possible with --error, --time and --noise: ") +
                (options.sampler == "hammersley" ? "its numbers are the same in every pixel and for every seed"
                                                 : "its samples depend on each other and on their number") +
@@ -242,9 +248,9 @@ void check_promise(const PassTexts& texts, const Options& options, std::string_v
 }
 
 /// Refuses the sampler without chance for an integrator that draws by chance.
-void check_sampler(const Options& options) {
+void check_sampler(const SettingNames& names, const Options& options) {
   if (options.sampler == "hammersley" && protostar::draws_by_chance(options.integrator))
-    refuse("--sampler", options.sampler,
+    refuse(names.sampler, options.sampler,
            "possible here: " + protostar::why_not_hammersley(options.integrator));
 }
 
@@ -291,7 +297,7 @@ void check_parts(const CommandLine& line, const Options& options) {
 
 /// Refuses pictures whose work cannot be shared: those that are no sums of samples. Shards take Sobol' points
 /// unless another sampler is asked for. `crop` is the text of the option.
-void check_sums(Options& options, std::string_view crop) {
+void check_sums(const SettingNames& names, Options& options, std::string_view crop) {
   if (!options.shard && options.checkpoint.empty()) return;
   const std::string option = options.shard ? "--shard" : "--checkpoint";
   if (options.in_passes())
@@ -306,7 +312,7 @@ void check_sums(Options& options, std::string_view crop) {
   if (!options.shard) return;
   if (options.sampler.empty()) options.sampler = "sobol";
   if (options.sampler == "hammersley")
-    refuse("--sampler", options.sampler,
+    refuse(names.sampler, options.sampler,
            "possible with --shard: its places are the same in all pixels and at any seed, so that halves of "
            "the samples cannot tell the error of the others");
   if (options.crop.width > 0 && options.tone == protostar::Tone::scale_image)
@@ -461,10 +467,14 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.transfer = own_transfer.value_or(settings.transfer);
     options.tone = settings.tone;
     options.exposure = settings.exposure;
-    check_sampler(options);
-    check_passes(passes, options);
+    const auto name_of_setting = [&](const std::string& name) {
+      return of_scene && !line.given("--" + name) ? scene + ": /settings/" + name : "--" + name;
+    };
+    const SettingNames names{.sampler = name_of_setting("sampler"), .filter = name_of_setting("filter")};
+    check_sampler(names, options);
+    check_passes(passes, names, options);
     check_promise(passes, options, crop, size, scene);
-    check_sums(options, crop);
+    check_sums(names, options, crop);
     if (options.shard || !options.checkpoint.empty())
       options.scene = settings.fingerprint ? settings.fingerprint() : program;
     if (line.given("--timeout"))
