@@ -6,10 +6,10 @@
 #pragma once
 
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 
+#include "shown.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -38,15 +38,11 @@ namespace detail {
 
 /// Throws std::invalid_argument with the text "rule; it is found", where found is a number or three.
 [[noreturn, gnu::cold, gnu::noinline]] inline void refuse_found(std::string rule, double found) {
-  char text[32];
-  static_cast<void>(std::snprintf(text, sizeof text, "; it is %.9g", found));
-  throw std::invalid_argument(rule += text);
+  throw std::invalid_argument(rule.append("; it is ").append(shown(found)));
 }
 [[noreturn, gnu::cold, gnu::noinline]] inline void refuse_found(std::string rule, const Vec3& found) {
-  char text[96];
-  static_cast<void>(
-      std::snprintf(text, sizeof text, "; it is (%.9g, %.9g, %.9g)", found.x, found.y, found.z));
-  throw std::invalid_argument(rule += text);
+  throw std::invalid_argument(rule + "; it is (" + shown(found.x) + ", " + shown(found.y) + ", " +
+                              shown(found.z) + ")");
 }
 
 }  // namespace detail

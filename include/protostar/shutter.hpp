@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <stdexcept>
 #include <string>
 
 #include "platform.hpp"
+#include "shown.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
 
@@ -27,12 +27,10 @@ struct Shutter {
   /// Throws std::invalid_argument if it closes before it opens, or a time is not between ±2^400.
   [[gnu::cold]] void validate(const std::string& of) const {
     if (std::abs(opens) <= 0x1p400 && std::abs(closes) <= 0x1p400 && opens <= closes) return;
-    char text[80];
-    static_cast<void>(std::snprintf(text, sizeof text, "%.9g and closes at %.9g", opens, closes));
     throw std::invalid_argument(of +
                                 ": the shutter must close when it opens or later, both at times between "
                                 "-2^400 and 2^400; it opens at " +
-                                text);
+                                shown(opens) + " and closes at " + shown(closes));
   }
 
   friend bool operator==(const Shutter&, const Shutter&) = default;

@@ -65,7 +65,7 @@ void flush(std::FILE* stream, const char* name) {
 
 /// Returns the message for a picture that is not done in time.
 std::string timeout_text(const Options& options) {
-  return "the picture is not done after " + in_digits(options.timeout, 6) +
+  return "the picture is not done after " + shown(options.timeout) +
          " seconds; --timeout sets how many it may take";
 }
 

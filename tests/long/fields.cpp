@@ -480,13 +480,13 @@ TEST_CASE("a shape that is not valid is refused") {
   const std::string sizes = " must be from 2^-400 (3.9e-121) to 2^400 (2.6e120); it is ";
   CHECK(error_of([] {
           return fields::RoundedBox{{1, 1, 1}, 0x1p-401};
-        }) == "fields::RoundedBox: radius" + sizes + "1.93629596e-121");
+        }) == "fields::RoundedBox: radius" + sizes + "1.9362959574246591e-121");
   CHECK(error_of([] {
           return fields::GabrielsHorn{0x1p401, 0.1};
-        }) == "fields::GabrielsHorn: end" + sizes + "5.16449976e+120");
+        }) == "fields::GabrielsHorn: end" + sizes + "5.164499756173817e+120");
   CHECK(error_of([] {
           return fields::Metaballs{{{Point(0), 1}}, 0x1p-401};
-        }) == "fields::Metaballs: sharpness" + sizes + "1.93629596e-121");
+        }) == "fields::Metaballs: sharpness" + sizes + "1.9362959574246591e-121");
   CHECK(error_of([] {
           return fields::Metaballs{{{Point(0), 1}}, 101};
         }) == "fields::Metaballs: sharpness must be at most 100; it is 101");
@@ -497,6 +497,10 @@ TEST_CASE("a shape that is not valid is refused") {
   CHECK(error_of([] {
           return fields::Plane{{1, 1, 0}, 0};
         }) == "fields::Plane: normal must be a unit vector, to within 2^-50; it is (1, 1, 0)");
+  CHECK(error_of([] {
+          return fields::Plane{{1 + 0x1p-40, 0, 0}, 0};
+        }) ==
+        "fields::Plane: normal must be a unit vector, to within 2^-50; it is (1.0000000000009095, 0, 0)");
   const auto polygon = [](std::vector<Uv> corners) {
     return message_of<std::invalid_argument>([&] { static_cast<void>(fields::Polygon(std::move(corners))); });
   };

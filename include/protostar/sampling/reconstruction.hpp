@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
@@ -21,6 +20,7 @@
 #include "../numeric/trigonometry.hpp"
 #include "../plain_vector.hpp"
 #include "../platform.hpp"
+#include "../shown.hpp"
 #include "../simd/simd.hpp"
 #include "../simd/vectors.hpp"
 #include "../vec3.hpp"
@@ -181,10 +181,8 @@ class ReconstructionFilter {
 
   [[gnu::cold]] static void require_length(const char* name, double length) {
     if (length > 0 && length <= 100) return;
-    char text[32];
-    static_cast<void>(std::snprintf(text, sizeof text, "%.9g", length));
     throw std::invalid_argument(std::string("ReconstructionFilter: the ") + name +
-                                " must be greater than 0 and at most 100 pixels; it is " + text);
+                                " must be greater than 0 and at most 100 pixels; it is " + shown(length));
   }
 
   /// Returns the piece in which the area up to it is u of the whole: from the first piece of u's 256th part
