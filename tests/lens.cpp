@@ -170,3 +170,54 @@ TEST_CASE("a tile drops what no point of the lens sees, and more of it near the 
     CHECK((in_tile.size() > 0) == row.seen);
   }
 }
+
+TEST_CASE("rays drift through a lens as far as at that end of a sphere which is more out of focus") {
+  const simd::Viewpoint lens{.apex = Point{0}, .lens_radius = 0.25, .focus_depth = 8, .ahead = {0, 0, 1}};
+  struct {
+    double depth, distance, radius, blur;
+  } const rows[] = {
+      {8, 9, 0, 0},                    // in focus
+      {8, 9, 2, 0.25},                 // both ends alike
+      {4, 5, 1, 0.625},                // before the plane in focus: the near end, at depth 3
+      {20, 25, 4, 2},                  // behind it: the far end, at depth 24
+      {1, 1, 2, 1},                    // around the lens, where rays differ by its radius
+      {1, 1, 31, 3},                   // around the lens, up to depth 32
+      {0x1p50, 0x1p50, 0, 0x1p47 - 1}  // far away
+  };
+  for (const auto& row : rows) {
+    CAPTURE(row.depth, row.radius);
+    const double drift = lens.drift_of_lens(simd::Doubles(row.depth), simd::Doubles(row.distance),
+                                            simd::Doubles(row.radius))[0];
+    // The depth is accurate to 2^-26 of the distance, and the focus to 2^-20 of itself: 2^-19 covers both.
+    const double farthest = (row.distance + row.radius) / 8, more = drift / 0.25 - row.blur;
+    CHECK(more >= (0x1p-20 + 0x1p-26) * farthest);
+    CHECK(more <= 0x1.1p-19 * (1 + farthest));
+  }
+  simd::Viewpoint unsure = lens;
+  unsure.ahead = Vec3{0};
+  CHECK(unsure.drift_of_lens(simd::Doubles(8.0), simd::Doubles(8.0), simd::Doubles(1.0))[0] == infinity);
+}
+
+TEST_CASE("the depth before a lens or a film is certain unless rays or vectors are almost in one plane") {
+  const auto viewpoint_of = [](const Vec3& up, const Vec3& forward) {
+    const Camera camera{.up = up, .forward = forward, .aperture = 0.5, .focus = 2};
+    return simd::PixelRays(camera, PixelGrid(64, 48, {.samples = 4}), 64, 48).viewpoint();
+  };
+  const Vec3 up{0, 1, 0};
+  CHECK(viewpoint_of(up, {0, 0, 1}).ahead == Vec3{0, 0, 1});
+  CHECK(viewpoint_of(up, {0, 0, -3}).ahead == Vec3{0, 0, -1});
+  CHECK(viewpoint_of(up, {0, 0, 3}).focus_depth == 6);
+  // The height of forward over the plane of the lens has to be above 2^-6 of its length.
+  CHECK(viewpoint_of(up, {63, 0, 1}).ahead == Vec3{0, 0, 1});
+  CHECK(viewpoint_of(up, {64, 0, 1}).ahead == Vec3{0});
+  // So has the sine between the rays and that plane to be above 2^-20.
+  CHECK(viewpoint_of({0, 0x1p19, 0}, {0, 0, 1}).ahead == Vec3{0, 0, 1});
+  CHECK(viewpoint_of({0, 0x1p21, 0}, {0, 0, 1}).ahead == Vec3{0});
+  // The sine between the vectors of a film has to be above 2^-24.
+  const auto of_film = [](double sine) {
+    const Camera camera{.film_right = {1, 0, 0}, .film_up = {1, sine, 0}};
+    return simd::PixelRays(camera, PixelGrid(64, 48), 64, 48).viewpoint();
+  };
+  CHECK(of_film(0x1p-23).ahead == Vec3{0, 0, 1});
+  CHECK(of_film(0x1p-24).ahead == Vec3{0});
+}

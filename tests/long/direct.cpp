@@ -1,8 +1,10 @@
 #include <protostar/integrators/direct.hpp>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <protostar/accel/accelerate.hpp>
 #include <protostar/integrators/unoccluded.hpp>
 #include <protostar/protostar.hpp>
@@ -113,6 +115,58 @@ TEST_CASE("a closed mesh is chosen as often as another lamp of its visible area 
     CHECK(lights.lights()[i].visible_area() == Approx(areas[i]).epsilon(1e-14));
     CHECK(lights.by_power().probability(i) == Approx(areas[i] / 23.75).epsilon(1e-14));
   }
+}
+
+TEST_CASE("a hit is drawn with the density and the probability of its lamp, and of no other surface") {
+  // Lamps and others in turns, of which the first and the last are no lamps, wherever the lists are.
+  const auto check = [](auto scene) {
+    for (int i = 0; i < 5; ++i) {
+      const Material material = i % 2 == 1 ? lamp(static_cast<float>(i)) : Material{.diffuse = Color{1}};
+      scene.add(Sphere{{4.0 * i, 0, 9}, 1}, material);
+      scene.add(Parallelogram{{4.0 * i - 1, 4, 9}, {2, 0, 0}, {0, 2, 0}}, material);
+    }
+    const AreaLights lights(scene);
+    REQUIRE(lights.lights().size() == 4);
+    std::size_t lit = 0;
+    for (int row = 0; row < 2; ++row)
+      for (int i = 0; i < 5; ++i) {
+        CAPTURE(row, i);
+        const Ray ray{{4.0 * i, 5.0 * row, 0}, {0, 0, 1}};
+        const std::optional<Intersection> hit = scene.intersect(ray, Interval{});
+        REQUIRE(hit);
+        const auto [density, probability] = lights.drawn(ray.origin, *hit);
+        if (i % 2 == 0) {
+          CHECK(density == 0);
+          CHECK(probability == 0);
+          continue;
+        }
+        ++lit;
+        for (std::size_t k = 0; k < 4; ++k)
+          if (const AreaLight& light = lights.lights()[k]; light.surface() == hit->surface()) {
+            CHECK(density == light.density(ray.origin, *hit));
+            CHECK(probability == lights.by_power().probability(k));
+          }
+        CHECK(density > 0);
+        CHECK(probability > 0);
+      }
+    CHECK(lit == 4);
+  };
+  check(Scene<Sphere, Parallelogram>{});
+  check(Scene<Parallelogram, Sphere>{});
+}
+
+TEST_CASE("a rectangle among the lamps is known, wherever it is among them") {
+  const Parallelogram rectangle{{0, 0, 9}, {1, 0, 0}, {0, 2, 0}}, slanted{{0, 0, 9}, {1, 0, 0}, {1, 2, 0}};
+  const auto has_rectangles = [](const auto&... lamps) {
+    Scene<Parallelogram> scene;
+    (scene.add(lamps, lamp(1)), ...);
+    return AreaLights(scene).has_rectangles();
+  };
+  CHECK(has_rectangles(rectangle));
+  CHECK(has_rectangles(rectangle, slanted));
+  CHECK(has_rectangles(slanted, rectangle));
+  CHECK_FALSE(has_rectangles(slanted));
+  CHECK_FALSE(has_rectangles());
 }
 
 TEST_CASE("lamps without an area bring no light, also if there are more of them than rays") {
