@@ -1,5 +1,6 @@
 #include <array>
 #include <cmath>
+#include <csignal>
 #include <cstdint>
 #include <ctime>
 #include <filesystem>
@@ -278,9 +279,15 @@ TEST_CASE("scenes/make_mesh writes the mesh of the scenes, and the torus of the 
        {std::vector<std::string>{"99"}, {"torus"}, {"cube", "1000"}}) {
     CAPTURE(arguments);
     const Outcome refused = make_mesh(arguments);
-    CHECK(refused.status == 1);
+    CHECK(refused.status == 2);
     CHECK_THAT(refused.err, ContainsSubstring("for N from 100 on"));
   }
+  // When nobody reads on, SIGPIPE ends it, as it ends other programs.
+  const Outcome piped = run({.program = "/bin/sh",
+                             .arguments = {"-c", "{ scenes/make_mesh 100000; echo $? >&2; } | head -n 1"},
+                             .folder = project});
+  CHECK(piped.out == "# A knot: scenes/make_mesh 100000\n");
+  CHECK(piped.err == std::to_string(128 + SIGPIPE) + "\n");
 }
 
 TEST_CASE("each file of the OBJ fuzzing corpus is read or refused with a message") {
