@@ -9,15 +9,29 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <future>
-#include <protostar/output_file.hpp>
 #include <set>
 #include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
+
+#if defined(PROTOSTAR_STANDARD_FILES)
+// A C library that lets calls fail without a reason, as the standard allows.
+static bool gives_no_reason = false;
+static std::size_t fwrite_or_fail(const void* bytes, std::size_t size, std::size_t count, std::FILE* file) {
+  return gives_no_reason ? 0 : std::fwrite(bytes, size, count, file);
+}
+namespace std {
+using ::fwrite_or_fail;
+}
+#define fwrite fwrite_or_fail
+#endif
+#include <protostar/output_file.hpp>
+#undef fwrite
 
 #if defined(__linux__)
 #include <sys/xattr.h>
@@ -230,6 +244,18 @@ TEST_CASE("a full disk is an error, for few bytes and for many") {
   CHECK(failure("/dev/full", [] { save("/dev/full", std::string(10000000, 'x')); }) == ENOSPC);
   CHECK(fs::is_character_file("/dev/full"));
 }
+
+#if defined(PROTOSTAR_STANDARD_FILES)
+TEST_CASE("a failure for which the C library gives no reason is an error, and not told as a success") {
+  const TemporaryFolder folder;
+  errno = ENOENT;  // of an earlier failure
+  gives_no_reason = true;
+  const int number = failure(folder / "a", [&] { save(folder / "a", "new"); });
+  gives_no_reason = false;
+  CHECK(number == EIO);
+  CHECK(folder.count() == 0);
+}
+#endif
 
 TEST_CASE("a pipe is written directly and stays a pipe") {
   const TemporaryFolder folder;

@@ -13,6 +13,7 @@
 #include <system_error>
 #include <utility>
 
+#include "error_number.hpp"
 #include "platform.hpp"
 #include "temporary_file.hpp"
 
@@ -64,12 +65,13 @@ class StandardFile {
   [[nodiscard]] bool is_in_place() const { return false; }
 
   [[nodiscard]] int write(const char* bytes, std::size_t size) {
-    return std::fwrite(bytes, 1, size, file_) == size ? 0 : errno;
+    return error_of([&] { return std::fwrite(bytes, 1, size, file_) == size; });
   }
 
   /// Completes the file, and gives a temporary one its name.
   [[nodiscard]] int commit() {
-    if (std::fclose(std::exchange(file_, nullptr)) != 0) return errno;
+    if (const int number = error_of([&] { return std::fclose(std::exchange(file_, nullptr)) == 0; }))
+      return number;
     if (temporary_.empty()) return 0;
     std::error_code error;
     if (permissions_ != std::filesystem::perms::unknown)
@@ -80,9 +82,14 @@ class StandardFile {
   }
 
  private:
+  /// Returns 0 if a call succeeds, and otherwise its error number.
+  [[nodiscard]] static int error_of(const auto& call) {
+    errno = 0;  // so that no number of an earlier failure is taken for it
+    return call() ? 0 : error_number();
+  }
+
   [[nodiscard]] int open(const std::filesystem::path& path, const char* mode) {
-    file_ = std::fopen(path.string().c_str(), mode);
-    return file_ ? 0 : errno;
+    return error_of([&] { return (file_ = std::fopen(path.string().c_str(), mode)) != nullptr; });
   }
 
   std::FILE* file_ = nullptr;

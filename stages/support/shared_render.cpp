@@ -7,6 +7,7 @@
 #include <memory>
 #include <mutex>
 #include <protostar/bit_cast.hpp>
+#include <protostar/error_number.hpp>
 #include <protostar/output_file.hpp>
 #include <protostar/parallel.hpp>
 #include <protostar/sampling/shard_file.hpp>
@@ -122,7 +123,7 @@ std::string fingerprint_of(const std::vector<std::filesystem::path>& files) {
       size += count;
     }
     if (!file || std::ferror(file.get()))
-      throw std::system_error(errno, std::generic_category(), "cannot read " + quoted(path));
+      throw std::system_error(detail::error_number(), std::generic_category(), "cannot read " + quoted(path));
     word.add(size);
     words.push_back(word.value());
   }

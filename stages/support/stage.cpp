@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <new>
 #include <protostar/encode.hpp>
+#include <protostar/error_number.hpp>
 #include <protostar/output_file.hpp>
 #include <protostar/pfm.hpp>
 #include <protostar/sampling/every_pixel.hpp>
@@ -60,7 +61,8 @@ Image part_of(const Image& whole, const Crop& crop, int width, int height) {
 
 void flush(std::FILE* stream, const char* name) {
   if (std::fflush(stream) != 0 || std::ferror(stream) != 0)
-    throw std::system_error(errno, std::generic_category(), std::string("cannot write ") + name);
+    throw std::system_error(detail::error_number(), std::generic_category(),
+                            std::string("cannot write ") + name);
 }
 
 /// Returns the message for a picture that is not done in time.

@@ -21,6 +21,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "../error_number.hpp"
 #include "../shown.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI::detail {
@@ -31,7 +32,8 @@ namespace protostar::inline PROTOSTAR_ABI::detail {
 template <class Error>
 std::string bytes_of_file(const std::filesystem::path& path, std::size_t most, const auto& is_enough) {
   const auto fail = [&] {
-    throw std::system_error(errno, std::generic_category(), "cannot read '" + shown(path.string()) + "'");
+    throw std::system_error(error_number(), std::generic_category(),
+                            "cannot read '" + shown(path.string()) + "'");
   };
   const auto require_at_most = [&](std::uintmax_t size) {
     if (size > most)

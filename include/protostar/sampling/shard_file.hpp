@@ -31,6 +31,7 @@
 #include <vector>
 
 #include "../bit_cast.hpp"
+#include "../error_number.hpp"
 #include "../output_file.hpp"
 #include "../shown.hpp"
 #include "finish.hpp"
@@ -221,7 +222,8 @@ inline void save_shard(const Shard& shard, const FileName& path) {
 /// Reads a .shard file. Throws std::system_error if it cannot be read, and std::runtime_error if it is none.
 [[nodiscard]] inline Shard load_shard(const FileName& path) {
   const auto fail = [&] {
-    throw std::system_error(errno, std::generic_category(), "cannot read '" + shown(path.text()) + "'");
+    throw std::system_error(detail::error_number(), std::generic_category(),
+                            "cannot read '" + shown(path.text()) + "'");
   };
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.text().c_str(), "rb"),
                                                              std::fclose);
