@@ -169,6 +169,24 @@ TEST_CASE("the irradiance very near a light is clamped so that sums stay finite"
   CHECK(std::isfinite(sum));
 }
 
+TEST_CASE("lights of all kinds bring a finite irradiance to points as near as doubles tell") {
+  for (const double distance : {0x1p-511, 0x1p-537, 0x1p-538, 0x1p-600, 0x1p-1074}) {
+    CAPTURE(distance);
+    // The square of 2^-538 is 0: a surface that faces the light is dark, and any other as if it faced it.
+    const double facing = distance < 0x1p-537 ? 0 : 1;
+    for (const Point& at : {Point{0, distance, 0}, Point{distance, distance, 0}}) {
+      const double most = double{most_irradiance};
+      for (const Light& light :
+           {Light(PointLight{at, Color{3}}),
+            Light(SpotLight{.position = at, .direction = {0, -1, 0}, .angle = 60, .power = Color{3}})}) {
+        CHECK(near(lit(light), most));
+        CHECK(near(lit_facing(light), facing * most));
+      }
+      CHECK(near(lit_facing(ConstantLight{at, Color{3}}), facing * 3));
+    }
+  }
+}
+
 TEST_CASE("a sphere around a point light receives its power") {
   // The mean of E · 4πR² over the sphere is Φ, wherever in the sphere the light is: a property of the formula
   // that tests cosine and distance together.
