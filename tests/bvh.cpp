@@ -102,6 +102,25 @@ TEST_CASE("no end of a box is a subnormal float, which some processors multiply 
   }
 }
 
+TEST_CASE("the whole scene is between -1 and 1 in box space, however large or small it is") {
+  for (const double size : {0x1p-1074, 0x1p-1022, 0x1p-1000, 0x1p-400, 1.0, 1.5, 0x1p400, 0x1p999, 0x1p1001,
+                            0x1.8p1010, 0x1p1023, std::numeric_limits<double>::max()}) {
+    CAPTURE(size);
+    const Bounds everything{{-size, 0, -size / 2}, {size, size, size / 2}};
+    const simd::BoxSpace space(everything);
+    const simd::Box box = space(everything);
+    for (int axis = 0; axis < 3; ++axis) {
+      CHECK(std::abs(space(everything.max)[axis]) <= 1);
+      CHECK(std::abs(space(everything.min)[axis]) <= 1);
+      // A box is larger by 2^-23 of itself, two roundings and 2^-126.
+      CHECK(std::abs(box.min[axis]) <= 1 + 0x1p-22f);
+      CHECK(std::abs(box.max[axis]) <= 1 + 0x1p-22f);
+    }
+    // At least a quarter, unless that takes a scale beyond 2^1000.
+    if (size >= 0x1p-1000) CHECK(space(everything.max).x >= 0.25);
+  }
+}
+
 TEST_CASE("every leaf whose box a ray hits is visited, and none twice") {
   struct Row {
     int count;

@@ -58,7 +58,8 @@ struct Box {
 };
 
 /// Map of the world into box space: x becomes (x − center) · scale. The scale is a power of two, so that only
-/// the difference is rounded, by 2^-53 of itself.
+/// the difference is rounded, by 2^-53 of itself. Surfaces of a program's own may be as large as doubles are;
+/// rays among those beyond 2^912 are not usable (BoxRay), as their lengths have no squares.
 struct BoxSpace {
   Point center{0};
   double scale = 1;
@@ -67,7 +68,7 @@ struct BoxSpace {
   explicit BoxSpace(const Bounds& everything) : center(0.5 * everything.min + 0.5 * everything.max) {
     const Vec3 half = 0.5 * everything.max - 0.5 * everything.min;
     const double largest = std::max({half.x, half.y, half.z});
-    if (largest > 0) scale = std::ldexp(1.0, std::clamp(-1 - std::ilogb(largest), -1000, 1000));
+    if (largest > 0) scale = std::ldexp(1.0, std::min(-1 - std::ilogb(largest), 1000));  // 2^-1024 or more
   }
 
   [[nodiscard]] Point operator()(const Point& x) const { return (x - center) * scale; }
