@@ -15,6 +15,11 @@
     "protostar cannot be compiled with -ffast-math or a part of it: it lets the compiler reorder and drop the roundings and the comparisons with NaN on which every hit is decided"
 #endif
 
+#if !defined(__cpp_exceptions)
+#error \
+    "protostar needs exceptions: it cannot be compiled with -fno-exceptions, as numbers and files that are not allowed are told by what a function throws"
+#endif
+
 #if defined(GLM_FORCE_XYZW_ONLY)
 #error "protostar names the channels of a color r, g and b: GLM_FORCE_XYZW_ONLY takes these names away"
 #endif
