@@ -16,6 +16,7 @@
 // ±2^400 (magnitude.hpp), or for the reasons that its members tell.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
@@ -349,7 +350,7 @@ struct Metaballs {
  private:
   [[nodiscard]] double smallest_radius() const {
     double smallest = infinity;
-    for (const Ball& ball : balls) smallest = std::fmin(smallest, ball.radius);
+    for (const Ball& ball : balls) smallest = std::min(smallest, ball.radius);
     return smallest;
   }
 };
