@@ -271,7 +271,7 @@ TEST_CASE("invalid parameters of a camera are refused, with what was found and w
       {[=] {
          return Camera::perspective(o, z_axis, {0, 1, -1.1e-6}, 90);
        },
-       "at most 1e-6", "is -1.1e-06"},
+       "at most 1e-6", "is -1.09999999999933"},
       {[=] {
          return Camera::perspective({0, infinity, 0}, z_axis, y_axis, 90);
        },
