@@ -65,7 +65,9 @@ TEST_CASE("the hit points of a plane lie on the plane") {
 TEST_CASE("the normal of a plane is a unit vector, whatever the length it was given with") {
   for (const double size : {1e-140, 1e-9, 1.0, 1e9, 1e140}) {
     const Vec3 n = Plane{.normal = size * Vec3{2, -3, 6}}.normal_at({1, 2, 3});
-    CHECK(length(n - Vec3{2, -3, 6} / 7.0) < 1e-15);
+    // With u = 2^-53, the products with the size are off by u, normalize by 4.5u (camera.cpp), the quotient
+    // by u.
+    CHECK(length(n - Vec3{2, -3, 6} / 7.0) <= 6.501 * 0x1p-53);
   }
 }
 
@@ -119,8 +121,10 @@ TEST_CASE("the distance of a point from a plane does not depend on the length of
   for (const double size : {0x1p-1070, 1e-300, 1e-160, 1.0, 1e160, 1e300}) {
     const Plane plane{.normal = size * Vec3{0, -3, 4}, .distance = 10 * size};
     CAPTURE(size);
-    CHECK(std::abs(plane.distance_bound({7, 0, 5}) - 2) < 1e-15);
-    CHECK(std::abs(plane.distance_bound({7, 2, -1}) + 4) < 1e-15);
+    // With u = 2^-53, numbers of the plane are off by u, products by 2u, and sums by u: in units of the size,
+    // 20 and 10 by 80u, and 6, 4 and 10 by 60u. That over the length 5, and the length's own 4.5u of 2 and 4.
+    CHECK(std::abs(plane.distance_bound({7, 0, 5}) - 2) <= (80 / 5.0 + 4.501 * 2) * 0x1p-53);
+    CHECK(std::abs(plane.distance_bound({7, 2, -1}) + 4) <= (60 / 5.0 + 4.501 * 4) * 0x1p-53);
   }
 }
 
