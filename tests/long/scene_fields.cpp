@@ -219,7 +219,7 @@ TEST_CASE("distances of surfaces are lower bounds, and tight where the field is 
   CHECK(SceneDistances(others, "test").distance_bound({0, 0, 4}) == distances.distance_bound({0, 0, 4}));
   others.add(Disk{.position = {0, 0, 9}}, Color{1});
   CHECK_THAT(
-      message_of<std::invalid_argument>([&] { SceneDistances(others, "test"); }),
+      message_of<std::invalid_argument>([&] { SceneDistances(others, "test: "); }),
       ContainsSubstring("test: surface 4 of the scene, counted from 0 in the order of its types, tells"));
 }
 
