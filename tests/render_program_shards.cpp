@@ -69,7 +69,7 @@ TEST_CASE("shards of a part of a picture are merged into that part") {
   CHECK_THAT(outcome.err,
              ContainsSubstring("--crop: '11,7,30,23' is not possible with --shard for the tone "));
   CHECK_THAT(run_stage("01_gradient", "--samples 2 --crop 0,0,3,3 --shard 0/2 -o a.shard", folder).err,
-             ContainsSubstring("--shard: this picture is drawn without rays"));
+             ContainsSubstring("--shard: is for pictures that are drawn by rays"));
   CHECK(run_stage("render", crop + " -o whole.png", folder).status == 0);
   CHECK(run_stage("render", crop + " -o again.png --checkpoint state", folder).status == 0);
   CHECK(bytes_of(folder / "again.png") == bytes_of(folder / "whole.png"));
