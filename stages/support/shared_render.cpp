@@ -66,6 +66,7 @@ void SharedRender::draw(const SharedPicture& picture, const RenderOptions& optio
   std::vector<std::uint64_t> units;
   for (std::uint64_t unit = all.first; unit < all.last; ++unit)
     if (!shard_->units().contains(unit)) units.push_back(unit);
+  is_checkpoint_complete_ = units.empty();
 
   const double before = static_cast<double>(all.last - all.first) - static_cast<double>(units.size());
   const auto progress = [&](double done) {
@@ -91,7 +92,7 @@ void SharedRender::draw(const SharedPicture& picture, const RenderOptions& optio
 }
 
 void SharedRender::finish() const {
-  if (checkpoint_.empty()) return;
+  if (checkpoint_.empty() || is_checkpoint_complete_) return;
   std::error_code error;
   std::filesystem::remove(checkpoint_, error);
   if (error) throw std::system_error(error, "cannot remove " + quoted(checkpoint_));

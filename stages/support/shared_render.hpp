@@ -39,7 +39,8 @@ class SharedRender {
   /// Returns the units that are done, after draw().
   [[nodiscard]] const std::optional<protostar::Shard>& shard() const { return shard_; }
 
-  /// Removes the checkpoint, if there is one, as it is not needed any more.
+  /// Removes the checkpoint, if there is one, as it is not needed any more. One that had all units before, as
+  /// a finished shard has, stays: it is the work of another run.
   void finish() const;
 
  private:
@@ -51,6 +52,7 @@ class SharedRender {
   std::filesystem::path checkpoint_;
   Clock::duration interval_;
   Clock::time_point next_save_;
+  bool is_checkpoint_complete_ = false;  ///< true if it had all units when it was read
   std::optional<protostar::Shard> shard_;
 };
 

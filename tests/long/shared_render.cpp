@@ -138,6 +138,22 @@ TEST_CASE("a run goes on from the checkpoint of a run that was killed, and draws
   }
 }
 
+TEST_CASE("a finished shard that is named as the checkpoint is read, and stays") {
+  const SharedScene shared;
+  const TemporaryFolder folder;
+  const std::filesystem::path finished = folder / "a.shard";
+  const auto add = [&](Film& film, const WorkUnit& unit) { shared.add(film, unit); };
+  SharedRender before({}, {});
+  before.draw(shared.picture, shared.options, add);
+  save_shard(*before.shard(), finished);
+
+  SharedRender render({}, finished);
+  render.draw(shared.picture, shared.options, [](Film&, const WorkUnit&) { FAIL("a unit is drawn again"); });
+  CHECK(same_light(render.shard()->film().mean(), shared.drawn_whole()));
+  render.finish();
+  CHECK(folder.count() == 1);
+}
+
 TEST_CASE("after a stop the checkpoint has all units that are done, and no others are drawn later") {
   const SharedScene shared;
   const TemporaryFolder folder;
