@@ -1,4 +1,5 @@
 #include <protostar/integrators/path.hpp>
+#include <protostar/integrators/whitted.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -158,9 +159,10 @@ TEST_CASE("a picture by paths has the same bytes by tiles, by any number of thre
   CHECK(count_pixels(plain, [&](int x, int y) { return x > 0 && plain(x, y) != plain(x - 1, y); }) > 2000);
 }
 
-/// Compares pictures by tiles and ray by ray of few surfaces, many of which coincide, in an empty scene.
+/// Compares pictures by tiles and ray by ray of few surfaces, many of which coincide, in an empty scene; with
+/// is_full of as many surfaces as are few, and by Whitted's integrator as well.
 template <class S>
-void compare_few_surfaces(S scene, bool from_afar) {
+void compare_few_surfaces(S scene, bool from_afar, bool is_full = false) {
   // Balls of glass and a mirror, around each other, twice in one place, and cut by a floor on which boards
   // lie.
   scene.add(Sphere{Point{0, 0, 4}, 0.8}, Material{.refract = 1});
@@ -184,6 +186,14 @@ void compare_few_surfaces(S scene, bool from_afar) {
               Material{.diffuse = Color{0.2f}, .refract = 0.8});
     scene.add(AnySurface(Sphere{Point{0.1, 0, 4}, 0.5}), Material{.diffuse = Color{0.1f}, .refract = 0.5});
   }
+  if (is_full) {
+    // Pairs of balls in one place, on the floor.
+    for (int i = 0; scene.size() < simd::few_surfaces; ++i)
+      scene.add(Sphere{Point{-1.6 + 0.45 * (i / 2), -0.8, 2.4}, 0.2},
+                Material{.diffuse = i % 2 == 0 ? Color{0.8f, 0.6f, 0.1f} : Color{0.1f, 0.2f, 0.8f},
+                         .reflect = 0.3});
+    scene.add(PointLight{{0, 3, 2}, Color{20}});
+  }
   const PathIntegrator path(scene);
   const Vec3 down{0.1, -0.3, 1};
   const auto camera = from_afar ? Camera::orthographic(Point{0, 0, 4} - 0x1p36 * down, down, {0, 1, 0.3}, 4)
@@ -194,6 +204,12 @@ void compare_few_surfaces(S scene, bool from_afar) {
   render(plain, camera, scene, path, {.samples = 3, .tiles = false});
   CHECK(different_pixels(plain, tiled) == 0);
   CHECK(count_pixels(plain, [&](int x, int y) { return x > 0 && plain(x, y) != plain(x - 1, y); }) > 2000);
+  if (is_full) {
+    Image whitted_tiled(70, 60), whitted_plain(70, 60);
+    render(whitted_tiled, camera, scene, WhittedIntegrator{});
+    render(whitted_plain, camera, scene, WhittedIntegrator{}, {.tiles = false});
+    CHECK(different_pixels(whitted_plain, whitted_tiled) == 0);
+  }
   if (simd::double_lanes > 2) {
     CHECK(counts.rays_alone < counts.other_rays);
     // Lanes leave each ray in doubt that is tested with the surface that it departs from.
@@ -208,6 +224,7 @@ TEST_CASE(
   const bool from_afar = GENERATE(false, true);
   compare_few_surfaces(Scene<Sphere, Parallelogram, Plane>(), from_afar);
   compare_few_surfaces(AnyScene(), from_afar);
+  compare_few_surfaces(Scene<Sphere, Parallelogram, Plane>(), from_afar, true);
 }
 
 TEST_CASE("paths from a box seen from afar do not meet boards that lie in its side, by tiles or ray by ray") {
