@@ -115,8 +115,8 @@ class Encoder {
     return {(*this)(light.r), (*this)(light.g), (*this)(light.b)};
   }
 
-  /// Writes the codes of `count` colors from the first one on, three for each. Without bins that have several
-  /// thresholds, no value asks for them.
+  /// Writes the codes of `count` colors to `codes`, three for each: red, green and blue. The loop has no test
+  /// for bins with several thresholds if there are none.
   void operator()(const Color* light, int count, std::uint16_t* codes) const {
     const auto write = [&](const auto& code) {
       for (int i = 0; i < count; ++i, codes += 3)

@@ -150,7 +150,8 @@ class PixelGrid {
     return filter_(numbers[0], numbers[1]);
   }
 
-  /// Returns the places of sample i of some pixels, if `numbers` is set 0 of their samplers.
+  /// Returns the places of sample i of some pixels; `numbers` is set 0 of their samplers, one pixel in each
+  /// lane, and not read if all pixels have the same places.
   [[nodiscard]] FilteredPlace<simd::Doubles> places(int i, const SampleSet<simd::Doubles>& numbers) const {
     if (has_common_places()) return {common_place(i).x, common_place(i).y, common_place(i).weight};
     return filter_(numbers[0], numbers[1]);
@@ -182,7 +183,7 @@ class PixelGrid {
     return concentric_disk(numbers[2], numbers[3]);
   }
 
-  /// Returns the coordinates of these points for some pixels, if `numbers` is set 0 of their samplers.
+  /// Returns the coordinates of the points of the lens of some pixels; `numbers` is set 0 of their samplers.
   [[nodiscard]] static std::array<simd::Doubles, 2> lens_points(const SampleSet<simd::Doubles>& numbers) {
     return simd::concentric_disk(numbers[2], numbers[3]);
   }

@@ -16,8 +16,8 @@
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
 /// Largest number of surfaces for which testing all of them with rays in lanes is mostly faster than a
-/// traversal for each ray: of paths, reflections and shadow rays, the last are the first to lose by more.
-/// Sets of surfaces (Bits) hold 32.
+/// traversal of the BVH for each ray. With more surfaces shadow rays become slower first, then reflections,
+/// and paths last. It is at most 32, as many as a set of surfaces (Bits) holds.
 inline constexpr std::size_t few_surfaces = double_lanes >= 8 ? 32 : double_lanes == 4 ? 24 : 16;
 
 /// Surface coordinates u and v, in each lane.
