@@ -142,7 +142,8 @@ template <Surface T>
         const bool leaves = departs && surface.is_left_by(ray);
         if (e.surely_misses() && !leaves) continue;
         const auto known =
-            leaves ? crossed_by_each(surface, ray, true, is_segment) : crossed_by_each(e, true, is_segment);
+            leaves ? crossed_by_each(detail::equation_of_departing(surface, ray), true, is_segment)
+                   : crossed_by_each(e, true, is_segment);
         if (known.in_doubt ? first_crossing(surface, ray, range).has_value() : known.crossed) return true;
       }
       return false;

@@ -73,25 +73,19 @@ template <Surface S>
 
 namespace detail {
 
-/// True if the equation of a surface is quadratic: a ray that leaves it may cross it once more.
-template <class S>
-inline constexpr bool is_quadratic = requires(const S& surface, const ExactLine& line) {
-  surface.equation(line).without_root_at_0();
-};
+/// Returns true if rays depart from the surface, so that their root at 0 is no crossing.
+[[nodiscard, gnu::always_inline]] inline bool departs_from(const auto& surface, const auto& rays) {
+  return rays.departure.kind != Departure::Kind::none && surface.is_left_by(rays);
+}
 
-/// Calls answer(e) with the surface's equation e along `line` and returns its result. `rays` has the
-/// departure; `line` is the same object, or the RoundedLine of a transformed ray. If the rays depart from the
-/// surface, e lacks the root 0: a quadratic equation becomes linear, and a linear one surely misses.
-[[nodiscard, gnu::always_inline]] inline auto with_equation(const auto& surface, const auto& rays,
-                                                            const auto& line, const auto& answer) {
-  using Equation = decltype(surface.equation(line));
-  if (rays.departure.kind == Departure::Kind::none || !surface.is_left_by(rays))
-    return answer(surface.equation(line));
+/// Returns the equation of a surface, along lines that depart from it, without their root at 0: a quadratic
+/// equation becomes linear, and a linear one surely misses.
+[[nodiscard, gnu::always_inline]] inline auto equation_of_departing(const auto& surface, const auto& lines) {
+  using Equation = decltype(surface.equation(lines));
   if constexpr (requires(const Equation& e) { e.without_root_at_0(); })
-    return answer(surface.equation(line).without_root_at_0());
+    return surface.equation(lines).without_root_at_0();
   else
-    return answer(
-        Equation{.height = 0.0, .slope = 1.0, .misses = true, .crosses = false, .is_certain = false});
+    return Equation{.height = 0.0, .slope = 1.0, .misses = true, .crosses = false, .is_certain = false};
 }
 
 /// Returns the certified roots of a ray that double leaves in doubt: by the surface's refined_roots(ray), in
@@ -127,32 +121,37 @@ template <class S>
 /// in doubt have in_doubt set. Precondition: no ray has a transform, whose errors would be ignored.
 [[nodiscard, gnu::always_inline]] inline auto roots_of_each(const auto& surface, const auto& rays,
                                                             const auto& active) {
-  return detail::with_equation(surface, rays, rays, [&](const auto& e) { return roots_of_each(e, active); });
+  if (detail::departs_from(surface, rays))
+    return roots_of_each(detail::equation_of_departing(surface, rays), active);
+  return roots_of_each(surface.equation(rays), active);
 }
 
 /// Returns the first root in t > 0 of the active ones of several rays in lanes, or of one ray, as far as
 /// double tells. Precondition: ray.transform is null.
 [[nodiscard, gnu::always_inline]] inline auto first_root_of_each(const auto& surface, const auto& rays,
                                                                  const auto& active) {
-  return detail::with_equation(surface, rays, rays,
-                               [&](const auto& e) { return first_root_of_each(e, active); });
+  if (detail::departs_from(surface, rays))
+    return first_root_of_each(detail::equation_of_departing(surface, rays), active);
+  return first_root_of_each(surface.equation(rays), active);
 }
 
 /// Returns which of the active ones of several rays in lanes, or of one ray, cross the surface in 0 < t < 1
 /// if they are segments, else in t > 0, as far as double tells. Precondition: ray.transform is null.
 [[nodiscard, gnu::always_inline]] inline auto crossed_by_each(const auto& surface, const auto& rays,
                                                               const auto& active, bool are_segments) {
-  return detail::with_equation(surface, rays, rays,
-                               [&](const auto& e) { return crossed_by_each(e, active, are_segments); });
+  if (detail::departs_from(surface, rays))
+    return crossed_by_each(detail::equation_of_departing(surface, rays), active, are_segments);
+  return crossed_by_each(surface.equation(rays), active, are_segments);
 }
 
 /// Returns the certified roots of a ray's line, without the root 0 if the ray departs from the surface.
 template <class S>
 [[nodiscard, gnu::always_inline]] inline Roots certified_roots(const S& surface, const Ray& ray) {
   return with_line(ray, [&](const auto& line) {
-    return detail::with_equation(surface, ray, line, [&](const auto& e) {
-      return roots_of(e, [&] { return detail::roots_with_more_digits(surface, ray); });
-    });
+    const auto in_doubt = [&] { return detail::roots_with_more_digits(surface, ray); };
+    if (detail::departs_from(surface, ray))
+      return roots_of(detail::equation_of_departing(surface, line), in_doubt);
+    return roots_of(surface.equation(line), in_doubt);
   });
 }
 
@@ -160,7 +159,7 @@ template <class S>
 template <class S>
 [[nodiscard, gnu::noinline, gnu::cold]] ExactRoot exact_root_of(const S& surface, const Ray& ray, int root) {
   const auto exact = surface.equation(exact_line(ray));
-  if constexpr (detail::is_quadratic<S>)
+  if constexpr (is_quadratic<S>)
     if (surface.is_left_by(ray)) return exact_root_of(exact.without_root_at_0());
   return exact_root_of(exact, root);
 }
@@ -310,7 +309,7 @@ template <Surface S>
 template <Surface S>
 [[nodiscard]] bool leaves_for_good([[maybe_unused]] const S& surface, const Ray& ray, Interval range) {
   if constexpr (SurfaceWithEquation<S> && !SurfaceWithRoots<S> && !CompositeSurface<S>)
-    return range.min >= 0 && surface.is_left_by(ray) && (!detail::is_quadratic<S> || leaves_outward(ray));
+    return range.min >= 0 && surface.is_left_by(ray) && (!is_quadratic<S> || leaves_outward(ray));
   else
     return false;
 }

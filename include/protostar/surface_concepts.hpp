@@ -107,6 +107,12 @@ concept SurfaceWithEquation = Surface<S> &&
   { surface.is_left_by(ray) } -> std::same_as<bool>;
 };
 
+/// True if the equation of a surface is quadratic: a ray that leaves it may cross it once more.
+template <class S>
+inline constexpr bool is_quadratic = requires(const S& surface, const ExactLine& line) {
+  surface.equation(line).without_root_at_0();
+};
+
 /// Surface whose equation has terms that are the same for all rays: prepared() computes these, and returns an
 /// object with the same equation(rays) for rays in double.
 template <class S>

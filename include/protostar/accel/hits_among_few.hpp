@@ -115,7 +115,7 @@ class HitsAmongFew : public TileHits<S...> {
             first_root_of_each(equations[i].equation(rays), others);
         ClosestCrossings first{
             .t = root.t, .met = root.is_there, .in_doubt = root.in_doubt, .is_far = root.is_far && others};
-        if constexpr (protostar::detail::is_quadratic<T>)
+        if constexpr (is_quadratic<T>)
           for (const int lane : lanes_in(alone))
             if (const auto crossing =
                     first_crossing(surfaces[i], ray(static_cast<std::size_t>(lane)), Interval{})) {
