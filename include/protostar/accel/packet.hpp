@@ -81,7 +81,9 @@ struct RayPacket {
   Doubles time = 0.0;                           ///< Ray::time
 
   /// Sets the members; constructors, since g++ clears an aggregate as a whole before it fills it.
-  RayPacket(const Vectors& from, const Vectors& along, LaneMask lanes = true, const Departure& leaves = {})
+  RayPacket(const Vectors& from, const Vectors& along, LaneMask lanes = true)
+      : origin(from.x, from.y, from.z), direction(along.x, along.y, along.z), active(lanes) {}
+  RayPacket(const Vectors& from, const Vectors& along, LaneMask lanes, const Departure& leaves)
       : origin(from.x, from.y, from.z),
         direction(along.x, along.y, along.z),
         active(lanes),
@@ -138,7 +140,20 @@ struct RayPacket {
 /// Rays of a camera through some pixels. They have a type of their own, since they meet only what has been
 /// listed for their tile (accel/tile_scene.hpp).
 struct CameraPacket : RayPacket {
+  bool start_together = false;  ///< true if all of them start at one point, as those of a pinhole do
+
   using RayPacket::RayPacket;
+};
+
+/// Rays that start together, with their start as one point: what a surface's equation has of that point alone
+/// is computed once for all of them. They depart from no surface.
+struct RaysFromPoint {
+  Point origin;
+  const Vectors& direction;
+  static constexpr Departure departure{};
+
+  /// Precondition: rays.start_together.
+  explicit RaysFromPoint(const CameraPacket& rays) : origin(rays.origin[0]), direction(rays.direction) {}
 };
 
 /// Returns the radiance that rays bring from an environment, which is asked ray by ray. It takes a copy, so
@@ -214,7 +229,7 @@ template <Surface S>
 /// start at 0, all of them are in doubt.
 template <Surface S>
 [[nodiscard]] ClosestCrossings first_crossings(const S& surface, const RayPacket& rays, LaneMask active,
-                                               Interval range) {
+                                               Interval range = {}) {
   if constexpr (SurfaceOfLanes<S>) {
     const auto ray = [&rays](int lane) { return rays[lane]; };
     const bool may_depart = rays.departure.kind != Departure::Kind::none || rays.leave_primitives();
@@ -235,6 +250,18 @@ template <Surface S>
             .in_doubt = root.in_doubt || (root.is_there && inside.maybe && !inside.surely),
             .is_far = root.is_far};
   }
+}
+
+/// Returns first_crossing in t > 0 of the active rays of a camera.
+template <Surface S>
+[[nodiscard]] ClosestCrossings first_crossings(const S& surface, const CameraPacket& rays, LaneMask active) {
+  if constexpr (takes_packets<S> && !SurfaceOfLanes<S>)
+    if (rays.start_together) {
+      const FirstRootOfEach<Doubles, LaneMask> root =
+          first_root_of_each(surface, RaysFromPoint(rays), active);
+      return {.t = root.t, .met = root.is_there, .in_doubt = root.in_doubt, .is_far = root.is_far};
+    }
+  return first_crossings(surface, static_cast<const RayPacket&>(rays), active);
 }
 
 /// Returns which of the active rays of a packet cross a surface inside a range.

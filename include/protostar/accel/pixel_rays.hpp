@@ -108,6 +108,7 @@ class PixelRays {
     CameraPacket packet(is_pinhole_ ? Vectors(camera_.position) : origins(x, y, i, rays, time),
                         rays.directions, active(tile, x));
     packet.time = time;
+    packet.start_together = is_pinhole_;
     return packet;
   }
   [[nodiscard]] CameraPacket packet(const Tile& tile, int x, int y, int i = 0) const {
@@ -383,8 +384,7 @@ class PixelRays {
   Camera camera_;
   PixelGrid pixels_;
   bool is_pinhole_, has_tables_;
-  Camera::Lens
-      lens_;  ///< vectors that x and y of PacketRays multiply: the lens's or, without one, the film's
+  Camera::Lens lens_;  ///< vectors that x and y of PacketRays multiply: of the lens, else of the film
   double orientation_;
   bool has_float_sums_;
   Viewpoint viewpoint_;

@@ -100,7 +100,7 @@ class TileHits {
 
   /// Returns the closest hits of camera rays, by tests of all candidates.
   [[nodiscard]] Closest closest(const CameraPacket& rays) const {
-    return search(rays, rays.active, candidates_, true);
+    return search(rays, rays.active, candidates_);
   }
 
   /// Returns the closest hits of camera rays by what float found: tests each ray with its one or two surfaces
@@ -113,12 +113,12 @@ class TileHits {
     test_seen(seen.indices, rays, closest, in_doubt);
     test_seen(seen.others, rays, closest, in_doubt);
     if (!any(open || in_doubt)) return closest;
-    return search(rays, open, candidates_, true, closest, in_doubt);
+    return search(rays, open, candidates_, closest, in_doubt);
   }
 
   /// Returns the closest hits of other rays, by tests of all surfaces of a scene of at most few_surfaces.
   [[nodiscard]] Closest closest(const RayPacket& rays) const {
-    return search(rays, rays.active, AllOfFew{scene_.size()}, false);
+    return search(rays, rays.active, AllOfFew{scene_.size()});
   }
 
   /// Returns the radiance of rays with these closest hits: shade_hits(hits) for one surface after the other,
@@ -258,8 +258,7 @@ class TileHits {
   /// hit sooner than `closest`. Returns the closest hits of all lanes; rays in doubt, by these tests or
   /// in_doubt, are traced alone among all of the surfaces. Only camera rays may be tested by visibility
   /// buffers.
-  [[nodiscard, gnu::always_inline]] Closest search(const RayPacket& rays, LaneMask lanes,
-                                                   const auto& surfaces, bool are_of_camera,
+  [[nodiscard, gnu::always_inline]] Closest search(const auto& rays, LaneMask lanes, const auto& surfaces,
                                                    Closest closest = {}, LaneMask in_doubt = false) const {
     if (any(lanes))
       for (int i = 0; i < surfaces.size(); ++i) {
@@ -268,7 +267,7 @@ class TileHits {
         const std::int64_t index = surfaces.index(i);
         count_tests(lanes);
         visit(index, [&](const auto& surface, const Material&) {
-          test(surface, index, rays, lanes, are_of_camera, closest, in_doubt);
+          test(surface, index, rays, lanes, closest, in_doubt);
         });
       }
     if (any(in_doubt)) return with_doubts_resolved(RayPacket(rays), in_doubt, closest, surfaces.indices());
@@ -278,7 +277,7 @@ class TileHits {
   /// Tests each active camera ray with the surface in its lane of `seen`, and updates closest and in_doubt;
   /// lanes with a negative index are left out. Spheres of different lanes are tested together, since a packet
   /// sees several if they are small.
-  [[gnu::always_inline]] void test_seen(const Indices& seen, const RayPacket& rays, Closest& closest,
+  [[gnu::always_inline]] void test_seen(const Indices& seen, const CameraPacket& rays, Closest& closest,
                                         LaneMask& in_doubt) const {
     LaneMask remaining = rays.active && mask_for<double>(seen >= Indices(0));
     if (!any(remaining)) return;
@@ -300,18 +299,17 @@ class TileHits {
       const Group group = take_group(seen, remaining);
       count_tests(group.lanes);
       visit(group.number, [&](const auto& surface, const Material&) {
-        test(surface, group.number, rays, group.lanes, true, closest, in_doubt);
+        test(surface, group.number, rays, group.lanes, closest, in_doubt);
       });
     }
   }
 
   /// Updates the closest hits with those of one surface, and in_doubt with the rays that it leaves in doubt.
   template <Surface T>
-  [[gnu::always_inline]] void test(const T& surface, std::int64_t index, const RayPacket& rays,
-                                   LaneMask lanes, [[maybe_unused]] bool are_of_camera, Closest& closest,
-                                   LaneMask& in_doubt) const {
-    if constexpr (RasterizedSurface<T>)
-      if (const auto* const drawn = are_of_camera ? buffer_at<T>(index) : nullptr) {
+  [[gnu::always_inline]] void test(const T& surface, std::int64_t index, const auto& rays, LaneMask lanes,
+                                   Closest& closest, LaneMask& in_doubt) const {
+    if constexpr (RasterizedSurface<T> && std::same_as<decltype(rays), const CameraPacket&>)
+      if (const auto* const drawn = buffer_at<T>(index)) {
         const auto seen = drawn->seen(lanes, first_x_, first_y_);
         ClosestCrossings first{.t = infinity, .met = seen.met, .in_doubt = seen.in_doubt};
         if (any(seen.met))
@@ -328,7 +326,7 @@ class TileHits {
         closest.primitive = select(sooner, numbers, closest.primitive);
         return;
       }
-    keep_closer(first_crossings(surface, rays, lanes, Interval{}), index, closest, in_doubt);
+    keep_closer(first_crossings(surface, rays, lanes), index, closest, in_doubt);
   }
 
   /// Returns the radiance of rays that hit one surface, though perhaps different primitives of it. They are
