@@ -52,7 +52,6 @@ const std::set<std::string> on_demand = {
     "area_lights.hpp",
     "scene_identity.hpp",
     "path_vertex.hpp",
-    "uninitialized.hpp",
     "environment_image.hpp",
     "texture_image.hpp",
     "environment_light.hpp",

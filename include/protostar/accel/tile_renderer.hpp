@@ -7,10 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
+#include <new>
 
 #include "../render.hpp"
 #include "../render_options.hpp"
 #include "../sampling/sample_target.hpp"
+#include "../uninitialized.hpp"
 #include "accelerate.hpp"
 #include "candidates.hpp"
 #include "drawn.hpp"
@@ -94,8 +96,7 @@ class TileRenderer {
   /// Parts of a division narrower than that, in pixels, get a frustum without a cone.
   static constexpr int least_width_with_cone = 16;
 
-  /// Largest number of candidates for which tests in float do not pay, if every hit is traced for its t
-  /// anyway.
+  /// Largest number of candidates for which tests in float do not pay if every hit needs its t.
   static constexpr int most_tested_in_double = 3;
 
   /// Largest number of candidates that a block tests without culling them by its own frustum.
@@ -105,8 +106,7 @@ class TileRenderer {
     return View(scene_, candidates, skips_, work.state);
   }
 
-  /// Fills the visibility buffers of the candidates of types that rasterize, one for each sample, while
-  /// buffers last.
+  /// Fills visibility buffers of the candidates of types that rasterize, one a sample, while buffers last.
   void rasterize(const Candidates& candidates, const Tile& tile, Work& work) const {
     const View view = view_of(candidates, work);
     const TileHalfSpaces half_spaces(rays_, tile);
@@ -163,8 +163,7 @@ class TileRenderer {
     return false;
   }
 
-  /// Returns true if the option allows samples without rays, and all rays that miss have one radiance, since
-  /// there is no environment.
+  /// Returns true if the option allows samples without rays, and no environment tells rays that miss apart.
   [[nodiscard]] bool may_skip_rays() const { return skips_.empty_tiles && !scene_.scene().environment(); }
 
   /// Returns the light that all samples of a tile have (try_fill_uniform): that of rays that miss, if there
@@ -262,7 +261,7 @@ class TileRenderer {
         is_known ? rays_.packet(part, part.x0, part.y0, i) : CameraPacket(Vectors(Vec3{0}), Vectors(Vec3{0}));
     PacketStart starts[most_packets];
     PacketRays ray_numbers[most_packets];
-    Closest closest[most_packets];
+    Uninitialized<Closest, most_packets> closest;
     std::size_t count = 0;
     std::uint64_t skipped = 0;
     each_packet(part, [&](std::size_t, int x, int y) {
@@ -281,11 +280,12 @@ class TileRenderer {
       const auto [x, y] = starts[k];
       view.set_packet_position(x, y, i);
       const CameraPacket rays = rays_.packet(part, x, y, i, ray_numbers[k]);
-      closest[k] = is_known ? view.closest(CameraPacket(rays), work.visibility(x, y)) : view.closest(rays);
+      new (&closest[k])
+          Closest(is_known ? view.closest(CameraPacket(rays), work.visibility(x, y)) : view.closest(rays));
       if (candidates_.are_from_bvh() && !is_known) view.prefetch_seen(closest[k].index);
     }
     if constexpr (FollowsPaths<I>)
-      follow_paths(integrator_, view, rays_, part, i, {starts, count}, ray_numbers, closest,
+      follow_paths(integrator_, view, rays_, part, i, {starts, count}, ray_numbers, &closest[0],
                    [&](std::size_t k, const Colors& light) {
                      add(part, starts[k].x, starts[k].y, i, ray_numbers[k], light, work);
                    });
