@@ -88,6 +88,24 @@ TEST_CASE("a ray that leaves a plane never hits it again") {
   CHECK(wrong == 0);
 }
 
+TEST_CASE("a segment crosses a plane if it ends behind it, however near, and leads to it") {
+  // The end is at 1 + k 2^-40 of the way to the plane, which double decides from 2^-28 of the way on.
+  const double side = GENERATE(-1.0, 1.0), normal = GENERATE(-3.0, 3.0);
+  const Plane plane{.normal = {0, normal, 0}, .distance = normal * side * 0.75};
+  for (const double k :
+       {-0x1p38, -0x1p13, -0x1p12, -0x1p11, -1.0, 0.0, 1.0, 0x1p11, 0x1p12, 0x1p13, 0x1p38}) {
+    const Ray ray{.origin = {0, 0, 0}, .direction = {0.5, side * 0.75 * (1 + k * 0x1p-40), 0}};
+    Ray away = ray;
+    away.direction.y = -away.direction.y;
+    INFO(k);
+    CHECK(any_hit(plane, ray, {0, 1}) == (k > 0));
+    CHECK_FALSE(any_hit(plane, away, {0, 1}));
+    const auto known = crossed_by_each(plane, ray, true, true);
+    CHECK(known.in_doubt == (std::abs(k) < 0x1p12));
+    if (!known.in_doubt) CHECK(known.crossed == (k > 0));
+  }
+}
+
 TEST_CASE("a plane has the same departure as every multiple of its equation, and as no other plane") {
   const Plane plane{.normal = {1, -2, 3}, .distance = 5};
   const Ray left{{5, 0, 0}, {1, 1, 1}, plane.departure()};

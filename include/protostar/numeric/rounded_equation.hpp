@@ -231,7 +231,8 @@ template <class T, class L, class M>
   }
   const M meets = active && e.crosses && e.is_certain;
   const T size = abs(e.slope), height = select(e.slope < 0.0, -e.height, e.height);
-  const M before_end = height<(1 - 0x1p-29) * size, behind_end = height>(1 + 0x1p-29) * size;
+  const M before_end = height < (1 - 0x1p-29) * size;
+  const M behind_end = height > (1 + 0x1p-29) * size;
   return {.crossed = meets && before_end && height > 0.0,
           .in_doubt = active && !e.misses && !(meets && (before_end || behind_end))};
 }
