@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <type_traits>
 
 #include "../plain_vector.hpp"
@@ -29,6 +30,12 @@ class TileHits {
   using State = TileState<S...>;
   static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< any type can be rasterized
   static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);  ///< a type may have them
+
+  /// First type, whose surfaces are shaded, and tested by shadow rays, by code that is inlined. In scenes of
+  /// more than two types, calls lead to that of the others, which would take registers from it.
+  using First = std::tuple_element_t<0, std::tuple<S...>>;
+  template <class T>
+  static constexpr bool is_called = sizeof...(S) > 2 && !std::same_as<T, First>;
 
   /// Type of Closest::primitive if no surface has primitives.
   struct Nothing {
@@ -76,8 +83,7 @@ class TileHits {
 
   /// Returns true if any surface has a texture.
   [[nodiscard]] bool has_textures() const { return (scene_.template has_textures<S>() || ...); }
-  /// Returns true if the surface with this index has a texture. Its material, which may be anywhere in
-  /// memory, is read only if there is any texture.
+  /// Returns true if the surface with this index has a texture; reads its material only if there is any.
   [[nodiscard]] bool has_texture(std::int64_t index) const {
     bool has = false;
     visit(index, [&]<class T>(const T&, const Material& material) {
@@ -131,8 +137,12 @@ class TileHits {
     for (LaneMask remaining = met; any(remaining);) {
       const Group group = take_group(closest.index, remaining);
       Colors colors(Color{0});
-      visit(group.number, [&](const auto& surface, const Material& material) {
-        colors = shade_on(surface, material, rays, closest, group.lanes, shade_hits);
+      visit(group.number, [&]<class T>(const T& surface, const Material& material) {
+        if constexpr (is_called<T>)
+          colors =
+              called_shade_on(surface, material, RayPacket(rays), Closest(closest), group.lanes, shade_hits);
+        else
+          colors = shade_on(surface, material, rays, closest, group.lanes, shade_hits);
       });
       if (!any(rays.active && !group.lanes)) return colors;  // the usual case: all rays hit one surface
       result = select(group.lanes, colors, result);
@@ -160,7 +170,7 @@ class TileHits {
   /// Prefetches the surfaces of all candidates.
   void prefetch_candidates() const {
     for (const std::uint32_t index : candidates_.indices())
-      prefetch_surface(static_cast<std::int64_t>(index));
+      visit(index, [](const auto& surface, const Material&) { prefetch_start(surface); });
   }
   /// Prefetches the surfaces that pixels see, and their materials: in all lanes, though indices may be equal,
   /// and surface 0 for a negative one. A branch on what is as good as random would take longer.
@@ -172,10 +182,6 @@ class TileHits {
   }
 
  protected:
-  void prefetch_surface(std::int64_t index) const {
-    visit(index, [](const auto& surface, const Material&) { prefetch_start(surface); });
-  }
-
   /// Returns the radiance of a single hit: shade(hit, lane), or shade(hit) if it takes no lane.
   [[nodiscard]] static Color shade_in_lane(const auto& shade, const Intersection& hit, int lane) {
     if constexpr (requires { shade(hit, lane); })
@@ -347,6 +353,14 @@ class TileHits {
         return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material)));
     }
     return shade_one_by_one(surface, material, RayPacket(rays), closest, lanes, shade_hits);
+  }
+
+  /// Returns shade_on for a type whose code is not inlined (is_called).
+  template <Surface T>
+  [[nodiscard, gnu::noinline]] Colors called_shade_on(const T& surface, const Material& material,
+                                                      const RayPacket& rays, const Closest& closest,
+                                                      LaneMask lanes, const auto& shade_hits) const {
+    return shade_on(surface, material, rays, closest, lanes, shade_hits);
   }
 
   /// Returns the radiance of rays that hit one surface, of one hit after the other.

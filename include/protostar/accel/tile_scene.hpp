@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <new>
 #include <optional>
-#include <tuple>
 #include <type_traits>
 #include <vector>
 
@@ -28,7 +27,7 @@ class TileScene : public HitsAmongFew<S...> {
 
  public:
   using Base::closest, Base::shade, Base::visit;
-  using typename Base::State;
+  using typename Base::First, typename Base::State;
 
   TileScene(const Accelerated<Scene<S...>>& accelerated, const Candidates& candidates, const Skips& skips,
             State& state)
@@ -133,9 +132,8 @@ class TileScene : public HitsAmongFew<S...> {
   /// Returns which other rays have any hit in the range. In a scene of many surfaces, rays to a light are
   /// tested with the surfaces in a cone around them; if there is no such list, each ray is traced alone.
   ///
-  /// It is inlined where a surface is shaded, for each type of surface, with the tests of the first type. The
-  /// tests of all n types would be inlined n times each: scenes of more than two types call one copy of the
-  /// others.
+  /// It is inlined where a surface is shaded, for each type of surface, with the tests of the first type.
+  /// Scenes of more than two types call one copy of the tests of all others (TileHits::is_called).
   [[nodiscard]] LaneMask occluded(const RayPacket& rays, Interval range) const {
     state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
     if (!any(rays.active)) return false;
@@ -208,8 +206,6 @@ class TileScene : public HitsAmongFew<S...> {
   };
 
   void count_alone() const { ++state_.counts.other_rays, ++state_.counts.rays_alone; }
-
-  using First = std::tuple_element_t<0, std::tuple<S...>>;
 
   /// Returns which of some rays have any hit in the range on surfaces of type T.
   template <Surface T>
