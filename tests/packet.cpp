@@ -1,3 +1,4 @@
+#include <protostar/accel/hit_packet.hpp>
 #include <protostar/accel/packet.hpp>
 #include <protostar/light.hpp>
 #include <protostar/surfaces/parallelogram.hpp>

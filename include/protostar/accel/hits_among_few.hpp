@@ -28,7 +28,7 @@ class HitsAmongFew : public TileHits<S...> {
   using typename Base::Closest, typename Base::State;
 
   HitsAmongFew(const Accelerated<Scene<S...>>& accelerated, const Candidates& candidates, State& state)
-      : Base(accelerated.scene(), candidates, state), accelerated_(accelerated) {}
+      : Base(accelerated, candidates, state) {}
 
   /// Calls tell(ray, crossing, lane) for each of these closest hits, and returns which rays have one.
   LaneMask each_hit(const RayPacket& rays, const Closest& closest, const auto& tell) const {
@@ -57,9 +57,7 @@ class HitsAmongFew : public TileHits<S...> {
   }
 
  protected:
-  using Base::count_tests, Base::scene_, Base::state_;
-
-  const Accelerated<Scene<S...>>& accelerated_;
+  using Base::accelerated_, Base::count_tests, Base::scene_, Base::state_;
 
   /// True for a type whose equation takes packets, without primitives.
   template <class T>
@@ -144,7 +142,8 @@ class HitsAmongFew : public TileHits<S...> {
         Interval range;
         if (first.surface != nullptr) range.max = upper_bound_of(first.crossing.t);
         const auto look_if_other = [&]<class T>(std::type_identity<T>) {
-          if constexpr (!is_tested_in_lanes<T>) accelerated_.template look_for_first<T>(one, range, first);
+          if constexpr (!is_tested_in_lanes<T>)
+            this->accelerated_.template look_for_first<T>(one, range, first);
         };
         (look_if_other(std::type_identity<S>{}), ...);
         make_hit(place(k), one, first);

@@ -10,12 +10,13 @@
 #include <tuple>
 #include <type_traits>
 
-#include "../plain_vector.hpp"
 #include "../render_options.hpp"
 #include "../scene.hpp"
 #include "../simd/prefetch.hpp"
+#include "accelerate.hpp"
 #include "candidates.hpp"
 #include "drawn.hpp"
+#include "hit_packet.hpp"
 #include "packet.hpp"
 #include "spheres_in_lanes.hpp"
 #include "tile_state.hpp"
@@ -31,8 +32,8 @@ class TileHits {
   static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< any type can be rasterized
   static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);  ///< a type may have them
 
-  /// First type, whose surfaces are shaded, and tested by shadow rays, by code that is inlined. In scenes of
-  /// more than two types, calls lead to that of the others, which would take registers from it.
+  /// First type, whose surfaces are shaded, and tested by shadow rays, inline. In scenes of more than two
+  /// types, calls lead to the code of the others, which would take its registers.
   using First = std::tuple_element_t<0, std::tuple<S...>>;
   template <class T>
   static constexpr bool is_called = sizeof...(S) > 2 && !std::same_as<T, First>;
@@ -59,8 +60,8 @@ class TileHits {
     }
   };
 
-  TileHits(const Scene<S...>& scene, const Candidates& candidates, State& state)
-      : scene_(scene), candidates_(candidates), state_(state) {}
+  TileHits(const Accelerated<Scene<S...>>& accelerated, const Candidates& candidates, State& state)
+      : accelerated_(accelerated), scene_(accelerated.scene()), candidates_(candidates), state_(state) {}
 
   /// Sets the first pixel of the camera's next packet and the index of its sample; called before each query
   /// with a CameraPacket, since visibility buffers are read there.
@@ -139,10 +140,9 @@ class TileHits {
       Colors colors(Color{0});
       visit(group.number, [&]<class T>(const T& surface, const Material& material) {
         if constexpr (is_called<T>)
-          colors =
-              called_shade_on(surface, material, RayPacket(rays), Closest(closest), group.lanes, shade_hits);
+          colors = called_shade_on(surface, material, RayPacket(rays), Closest(closest), group, shade_hits);
         else
-          colors = shade_on(surface, material, rays, closest, group.lanes, shade_hits);
+          colors = shade_on(surface, material, rays, closest, group, shade_hits);
       });
       if (!any(rays.active && !group.lanes)) return colors;  // the usual case: all rays hit one surface
       result = select(group.lanes, colors, result);
@@ -150,8 +150,7 @@ class TileHits {
     return any(rays.active && !met) ? select(met, result, Colors(background())) : result;
   }
 
-  /// Returns the radiance of pixels that surely see these surfaces, or nothing, by an integrator that needs
-  /// no point of them.
+  /// Returns the radiance of pixels that surely see these surfaces, or nothing, without a point of them.
   [[nodiscard]] Colors shade_without_point(const Indices& seen, const auto& background,
                                            const auto& shade_hits) const {
     const RayPacket no_rays(Vectors(Vec3{0}), Vectors(Vec3{0}));
@@ -172,8 +171,8 @@ class TileHits {
     for (const std::uint32_t index : candidates_.indices())
       visit(index, [](const auto& surface, const Material&) { prefetch_start(surface); });
   }
-  /// Prefetches the surfaces that pixels see, and their materials: in all lanes, though indices may be equal,
-  /// and surface 0 for a negative one. A branch on what is as good as random would take longer.
+  /// Prefetches the surfaces that pixels see, and their materials, in all lanes: surface 0 for a negative
+  /// index, since a branch on what is as good as random would take longer.
   void prefetch_seen(const Indices& seen) const {
     for (int lane = 0; lane < double_lanes; ++lane)
       visit(std::max(seen[lane], std::int64_t{0}), [](const auto& surface, const Material& material) {
@@ -254,6 +253,7 @@ class TileHits {
     return sooner;
   }
 
+  const Accelerated<Scene<S...>>& accelerated_;
   const Scene<S...>& scene_;
   const Candidates& candidates_;
   State& state_;
@@ -340,27 +340,27 @@ class TileHits {
   /// primitives are hit that are in no visibility buffer.
   template <Surface T>
   [[nodiscard]] Colors shade_on(const T& surface, const Material& material, const RayPacket& rays,
-                                const Closest& closest, LaneMask lanes, const auto& shade_hits) const {
+                                const Closest& closest, const Group& group, const auto& shade_hits) const {
     if constexpr (std::is_invocable_v<decltype(shade_hits), HitPacket<T>>) {
       const bool is_mapped = scene_.template has_normal_maps<T>() && material.normal_map;
       if constexpr (RasterizedSurface<T>)
-        if (!is_mapped && !any(lanes && mask_for<double>(closest.primitive < Indices(0)))) {
-          const auto& drawn = *buffer_at<T>(in_first_lane(closest.index, bits(lanes)));
-          return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material,
-                                             PrimitivesSeen<typename T::Drawn>{drawn, closest.primitive})));
-        }
+        if (!is_mapped && !any(group.lanes && mask_for<double>(closest.primitive < Indices(0))))
+          return Colors(shade_hits(
+              HitPacket(rays, closest.t, group.lanes, surface, material,
+                        PrimitivesSeen<typename T::Drawn>{*buffer_at<T>(group.number), closest.primitive})));
       if (!is_mapped && !has_primitives(surface)) [[likely]]
-        return Colors(shade_hits(HitPacket(rays, closest.t, lanes, surface, material)));
+        return Colors(shade_hits(HitPacket(rays, closest.t, group.lanes, surface, material, NoPrimitives{},
+                                           accelerated_.constants(static_cast<std::size_t>(group.number)))));
     }
-    return shade_one_by_one(surface, material, RayPacket(rays), closest, lanes, shade_hits);
+    return shade_one_by_one(surface, material, RayPacket(rays), closest, group.lanes, shade_hits);
   }
 
   /// Returns shade_on for a type whose code is not inlined (is_called).
   template <Surface T>
   [[nodiscard, gnu::noinline]] Colors called_shade_on(const T& surface, const Material& material,
                                                       const RayPacket& rays, const Closest& closest,
-                                                      LaneMask lanes, const auto& shade_hits) const {
-    return shade_on(surface, material, rays, closest, lanes, shade_hits);
+                                                      const Group& group, const auto& shade_hits) const {
+    return shade_on(surface, material, rays, closest, group, shade_hits);
   }
 
   /// Returns the radiance of rays that hit one surface, of one hit after the other.
