@@ -13,6 +13,7 @@
 #include <new>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "../intersection.hpp"
 #include "../interval.hpp"
@@ -21,6 +22,7 @@
 #include "../sampling/warp_lanes.hpp"
 #include "../simd/prefetch.hpp"
 #include "../simd/words.hpp"
+#include "../uninitialized.hpp"
 #include "packet.hpp"
 #include "packet_integrator.hpp"
 #include "packet_pixels.hpp"
@@ -39,8 +41,8 @@ class PathWave {
   /// Begins the path of pixel (x, y) of the image, which is a lane of a packet of the wave, at the first hit
   /// of its camera ray. A packet's number is below most_starting_packets.
   void begin(const Ray& ray, const SurfaceCrossing& first, int x, int y, std::size_t packet, int lane) {
-    hits_[count_].emplace(ray, first);
-    paths_[count_] = {};
+    new (&hits_[count_]) std::optional<Intersection>(std::in_place, ray, first);
+    new (&paths_[count_]) typename I::Path;
     pixels_[count_] = {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
                        packet * lanes + static_cast<std::size_t>(lane)};
     on_the_way_[count_] = count_;
@@ -154,8 +156,8 @@ class PathWave {
   std::size_t count_ = 0;
   std::array<std::size_t, most> on_the_way_;
   std::array<Pixel, most> pixels_;
-  std::array<typename I::Path, most> paths_;
-  std::array<std::optional<Intersection>, most> hits_;
+  Uninitialized<typename I::Path, most> paths_;
+  Uninitialized<std::optional<Intersection>, most> hits_;
   std::array<std::array<float, most>, 3> light_;
 };
 
