@@ -131,7 +131,7 @@ class AreaLight {
     const Vec3& direction = drawn.direction;
     return at.light_by_ray(direction, drawn.density, weight, [&, primitive = triangle] {
       return follow(
-          at.leave(direction), scene, [] { return Color{0}; },
+          at.hit.leave(direction), scene, [] { return Color{0}; },
           [&](const Intersection& seen) { return shown_by(seen, primitive); });
     });
   }

@@ -203,6 +203,13 @@ class Intersection {
     return {.origin = point(), .direction = direction, .departure = departure(), .time = ray_.time};
   }
 
+  /// Makes a ray that one from here, written number by number (copied).
+  void leave(const Vec3& direction, Ray& ray) const {
+    ray.origin = copied(point()), ray.direction = copied(direction);
+    ray.departure = departure();
+    ray.transform = nullptr, ray.is_reversed = false, ray.time = ray_.time;
+  }
+
   /// Returns t rounded from the exact root, within 1 ulp, if the surface has one; the middle of the enclosure
   /// for Torus and marched surfaces; t itself for a surface without an equation or exact_root.
   [[nodiscard]] double refined() const {

@@ -63,8 +63,7 @@ struct LightShare {
   }
 };
 
-/// Hit, with all that the rays to lights need of it. The normals and the departure, which these rays have in
-/// common, are computed once. Borrows the hit.
+/// Hit, with all that the rays to lights need of it. Its normals are computed once. Borrows the hit.
 struct Reflector {
   const Intersection& hit;
   Vertex vertex;
@@ -75,17 +74,10 @@ struct Reflector {
   /// the density against which rays to lights are weighed (power_heuristic).
   double glossy_probability = 1;
 
-  Reflector(const Intersection& at, const Color& albedo)
-      : hit(at), vertex(at), is_matte(!is_black(albedo)), away_(at.leave(vertex.direction)) {
+  Reflector(const Intersection& at, const Color& albedo) : hit(at), vertex(at), is_matte(!is_black(albedo)) {
     if (const Material& material = at.material(); !is_black(material.glossy)) [[unlikely]]
       glossy.emplace(vertex, material);
   }
-
-  /// Returns the ray from the hit in a direction of any length (Intersection::leave).
-  [[nodiscard]] Ray leave(const Vec3& direction) const { return away_.with_direction(direction); }
-
-  /// Makes a ray that one from the hit (Ray::follow).
-  void leave(const Vec3& direction, Ray& ray) const { ray.follow(away_, direction); }
 
   /// Returns true if light may be reflected.
   [[nodiscard]] bool reflects() const { return is_matte || glossy.has_value(); }
@@ -129,9 +121,6 @@ struct Reflector {
     if (scene.occluded(hit.leave(to_light), light.occlusion_range())) return {};
     return {light.received(to_light, height), clamped(share * light.perpendicular_irradiance(hit.point()))};
   }
-
- private:
-  Ray away_;  // in any direction
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI

@@ -91,7 +91,7 @@ struct PathVertex {
         drawn ? MeshSample{*drawn} : area->sample(hit.point(), chosen.rest, numbers[3], hit.time());
     share = at.share_of_ray(sample.direction, sample.density, 1 / chosen.probability);
     primitive = triangle;
-    if (share.counts()) at.leave(sample.direction, to_light.emplace());
+    if (share.counts()) hit.leave(sample.direction, to_light.emplace());
   }
 
   /// Returns the radiance that the ray to the chosen area light finds where it hits: that of the light, or

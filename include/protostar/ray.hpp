@@ -129,14 +129,6 @@ struct Ray {
     return {.origin = origin, .direction = towards, .departure = departure, .time = time};
   }
 
-  /// Becomes the ray from the origin of another in a direction: other.with_direction(towards), written number
-  /// by number (copied).
-  void follow(const Ray& other, const Vec3& towards) {
-    origin = other.origin, departure = other.departure, time = other.time;
-    direction = copied(towards);
-    transform = nullptr, is_reversed = false;
-  }
-
   /// Returns the ray from the same origin in the opposite direction.
   [[nodiscard]] Ray reversed() const {
     return {origin, -direction, departure, transform, !is_reversed, time};

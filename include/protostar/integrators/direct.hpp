@@ -97,7 +97,7 @@ struct DirectIntegrator : FirstHit<DirectIntegrator> {
   [[nodiscard]] Color light_along_lobe(const Reflector& at, const auto& scene, const Uv& numbers) const {
     const Bounce drawn = at.glossy->sample(numbers.x, numbers.y);
     if (!drawn.goes_on()) return Color{0};
-    const Ray ray = at.leave(drawn.direction);
+    const Ray ray = at.hit.leave(drawn.direction);
     return follow(
         ray, scene, [&] { return clamped(drawn.weight * background(ray, scene)); },
         [&](const Intersection& seen) {

@@ -257,7 +257,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     path.weight = clamped(path.weight * onward.weight);
     if (path.bounces >= sure_bounces && !survives(path.weight, path.most_weight, number)) return false;
     path.weighed_density = onward.weighed_density;
-    at.leave(onward.direction, path.ray);
+    vertex.hit.leave(onward.direction, path.ray);
     ++path.bounces;
     return true;
   }
@@ -320,7 +320,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
       light += vertex.share.of(radiance);
     } else if (probability > 0) {
       const auto drawn = environment.sample(rest, vertex.numbers[3]);
-      const Ray ray = at.leave(drawn.direction);
+      const Ray ray = vertex.hit.leave(drawn.direction);
       light += at.light_by_ray(drawn.direction, drawn.density, 1 / probability, [&] {
         return scene.occluded(ray, Interval{}) ? Color{0} : background(ray, scene);
       });
