@@ -109,7 +109,7 @@ TEST_CASE("an image that a scene file names several times, by any paths, is read
   const SceneFile file = read_scene(folder / "a.json", {.most_pixels = pixels_of_image});
   const auto image = [](const Texture& texture) {
     REQUIRE(texture.target<ImageTexture>() != nullptr);
-    return texture.target<ImageTexture>()->image.get();
+    return &*texture.target<ImageTexture>()->image;
   };
   CHECK(image(file.scene.materials<Sphere>()[0].texture) == image(file.scene.materials<Plane>()[0].texture));
 

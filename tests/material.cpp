@@ -1,9 +1,14 @@
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <protostar/environment_image.hpp>
 #include <protostar/material.hpp>
 #include <protostar/shown.hpp>
+#include <protostar/texture_image.hpp>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
 
 #include "support/catch.hpp"
 #include "support/common.hpp"
@@ -120,4 +125,22 @@ TEST_CASE("an invalid checker is refused as a part of its material") {
     CHECK(refusal({.texture = Checker{.second = light}}) == "Checker: second" + rule);
   }
   CHECK(refusal({.texture = Checker{.first = Color{9}, .size = 0x1p-400}}).empty());
+}
+
+TEST_CASE("a texture, a normal map and an environment of an image have one") {
+  STATIC_REQUIRE_FALSE(std::is_default_constructible_v<ImageTexture>);
+  STATIC_REQUIRE_FALSE(std::is_default_constructible_v<ImageNormalMap>);
+  STATIC_REQUIRE_FALSE(std::is_default_constructible_v<EnvironmentImage>);
+  const std::shared_ptr<Image> none;
+  const auto refused = [](const auto& make) { return message_of<std::invalid_argument>(make); };
+  const std::string message = "SharedImage: the pointer to an image must not be null";
+  CHECK(refused([&] { static_cast<void>(ImageTexture{none}); }) == message);
+  CHECK(refused([&] { static_cast<void>(ImageNormalMap{{nullptr}}); }) == message);
+  CHECK(refused([&] { static_cast<void>(EnvironmentImage{.image = none}); }) == message);
+
+  ImageTexture texture{std::make_shared<Image>(1, 1)};
+  const ImageTexture taken = std::move(texture);  // copies the pointer
+  CHECK(texture(0.5, 0.5) == taken(0.5, 0.5));
+  CHECK(refused([&] { texture.image = none; }) == message);
+  CHECK(texture(0.5, 0.5) == Color{0});
 }

@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <string>
 
-#include "image.hpp"
+#include "texture_image.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -14,7 +13,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Texture that shows an image of all directions, which its copies share: an environment. u goes around the
 /// image, v from the top row to the bottom row. Between the centers of four pixels, their colors are mixed.
 struct EnvironmentImage {
-  std::shared_ptr<const Image> image;
+  SharedImage image;
   std::string file = {};  ///< path of the image's file, which explanations name; empty if unknown
 
   [[nodiscard]] Color operator()(double u, double v) const {

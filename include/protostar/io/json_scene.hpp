@@ -69,14 +69,12 @@ inline std::shared_ptr<const Image> normals_at(const JsonCursor& at) {
 inline ImageTexture placed_image(const JsonCursor& at,
                                  std::shared_ptr<const Image> (*image)(const JsonCursor&)) {
   at.with_keys({"image", "size"});
-  ImageTexture placed;
+  double size_u = 1, size_v = 1;
   if (at.has("size")) {
     const JsonCursor size = at["size"].with_size(2, "an array of two numbers");
-    placed.size_u = size[0].size(), placed.size_v = size[1].size();
+    size_u = size[0].size(), size_v = size[1].size();
   }
-  placed.image = image(at["image"]);
-  placed.file = at["image"].named_file().path.string();
-  return placed;
+  return {image(at["image"]), size_u, size_v, at["image"].named_file().path.string()};
 }
 
 inline Texture texture_at(const JsonCursor& at) {
