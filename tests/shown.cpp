@@ -1,6 +1,10 @@
 #include <protostar/shown.hpp>
 
+#include <clocale>
+#include <limits>
+#include <protostar/io/text.hpp>
 #include <string>
+#include <utility>
 
 #include "support/catch.hpp"
 
@@ -32,4 +36,30 @@ TEST_CASE("foreign text is shown with its control characters escaped") {
     CHECK(shown(row.text) == row.expected);
     CHECK(shown(shown(row.text)) == row.expected);
   }
+}
+
+TEST_CASE("a number is shown with a point and with all digits, in any locale, and read again") {
+  const std::pair<double, std::string> rows[] = {
+      {0, "0"},
+      {-0.1, "-0.1"},
+      {1.5, "1.5"},
+      {1.0 / 3, "0.3333333333333333"},
+      {0.1 + 0.2, "0.30000000000000004"},
+      {1234.5, "1234.5"},
+      {1e300, "1e+300"},
+      {-std::numeric_limits<double>::min(), "-2.2250738585072014e-308"},
+      {std::numeric_limits<double>::denorm_min(), "5e-324"},
+  };
+  // Locales with a comma, and with a point of two bytes, as far as the system has them.
+  for (const char* const locale :
+       {"C", "de_DE.UTF-8", "de_DE", "fr_FR.UTF-8", "nb_NO.UTF-8", "ps_AF.UTF-8"}) {
+    if (!std::setlocale(LC_NUMERIC, locale)) continue;
+    CAPTURE(locale);
+    for (const auto& [number, expected] : rows) {
+      CHECK(shown(number) == expected);
+      CHECK(detail::number_of<double>(expected) == number);
+    }
+    CHECK(shown(std::numeric_limits<double>::infinity()) == "inf");
+  }
+  std::setlocale(LC_NUMERIC, "C");
 }

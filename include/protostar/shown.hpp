@@ -7,6 +7,7 @@
 #if defined(__cpp_lib_to_chars)
 #include <charconv>
 #else
+#include <clocale>
 #include <cstdio>
 #include <cstdlib>
 #endif
@@ -70,18 +71,23 @@ inline std::string shown(std::string_view text) {
   return result;
 }
 
-/// Returns a number with so many digits that no other double reads the same, such as 0.1.
+/// Returns a number with so many digits that no other double reads the same, such as 0.1; in any locale with
+/// a point.
 [[nodiscard]] inline std::string shown(double number) {
   char digits[32]{};  // -2.2250738585072014e-308, as long as any, has 24
 #if defined(__cpp_lib_to_chars)
   std::to_chars(digits, digits + sizeof digits, number);
+  return digits;
 #else  // libc++ 14; 17 digits tell all doubles apart
   for (int count = 1; count <= 17; ++count) {
     std::snprintf(digits, sizeof digits, "%.*g", count, number);
     if (std::strtod(digits, nullptr) == number) break;
   }
+  std::string text = digits;
+  const std::string_view point = std::localeconv()->decimal_point;
+  if (const std::size_t at = text.find(point); at != text.npos) text.replace(at, point.size(), ".");
+  return text;
 #endif
-  return digits;
 }
 
 /// Returns the name of a type, as the compiler writes it.
