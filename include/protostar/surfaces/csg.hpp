@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "../numeric/scale.hpp"
 #include "../surface.hpp"
 #include "../surface_concepts.hpp"
 #include "any_surface.hpp"
@@ -265,7 +266,20 @@ class Csg {
 
   /// Calls visit(const Crossing&) for all crossings of the ray's line with the whole, near to far, until it
   /// returns true. A crossing at t = 0 is left out if the ray departs from a leaf.
+  ///
+  /// Along a very short direction t may be beyond the range of double, and a crossing that is missing for
+  /// that would turn its leaf inside out. Hence a short direction is multiplied by a power of two, without
+  /// rounding (docs/derivations.md, Solids made of solids).
   void walk(const Ray& ray, const auto& visit) const {
+    const int lift = ray.transform == nullptr ? std::max(0, -immoderate_exponent(ray.direction)) : 0;
+    if (lift == 0) return walk_along(ray, 0, visit);
+    Ray lifted = ray;
+    lifted.direction = scaled(ray.direction, lift);
+    walk_along(lifted, lift, visit);
+  }
+
+  /// Does what walk does, for the ray whose direction is 2^-lift times that of this one.
+  void walk_along(const Ray& ray, int lift, const auto& visit) const {
     const Hits hits = hits_along(ray);
     if (hits.all.empty()) return;
     Insides insides(*this);
@@ -285,6 +299,7 @@ class Csg {
       const Hit* turning = turn_over_together(insides, hit, end);
       if (insides.whole() != was_inside && !is_departure) {
         Crossing crossing = turning->crossing;
+        if (lift > 0) crossing.t = scaled(crossing.t, lift);
         crossing.primitive += leaf(turning->leaf).first_primitive;
         if (visit(crossing)) return;
       }
