@@ -1,6 +1,8 @@
 // Draws a scene file (docs/scene-format.md).
+#include <filesystem>
+#include <vector>
+
 #include "support/scene_pictures.hpp"
-#include "support/shared_render.hpp"
 #include "support/stage.hpp"
 
 using namespace protostar;
@@ -9,6 +11,8 @@ int main(int argc, char** argv) {
   SceneFile file;
   const auto read = [&file](const std::filesystem::path& path, const ReadOptions& options) {
     file = read_scene_file(path, options);
+    std::vector<std::filesystem::path> files{path};
+    files.insert(files.end(), file.files.begin(), file.files.end());
     return StageDefaults{.integrator = file.integrator,
                          .width = file.width,
                          .height = file.height,
@@ -20,11 +24,7 @@ int main(int argc, char** argv) {
                          .sampler = file.sampler,
                          .filter = file.filter,
                          .seed = file.seed,
-                         .fingerprint = [&file, path] {
-                           std::vector<std::filesystem::path> files{path};
-                           files.insert(files.end(), file.files.begin(), file.files.end());
-                           return "files " + fingerprint_of(files);
-                         }};
+                         .files = files};
   };
 
   return run_stage(argc, argv, {.read_scene = read}, [&file](Stage& stage) {

@@ -69,6 +69,34 @@ TEST_CASE("wrong options of render are named, with the right ones, and nothing i
   CHECK(folder.count() == 0);
 }
 
+TEST_CASE("render writes no picture and no other file over an image or a mesh that its scene names") {
+  const TemporaryFolder folder;
+  copy_image("../scenes/bricks.png", folder);
+  put_bytes(folder / "mesh.obj", "v 0 0 3\nv 1 0 3\nv 0 1 3\nf 1 2 3\n");
+  std::string scene = scene_with_image("bricks.png");
+  const std::string first = "\"objects\": [";
+  REQUIRE(scene.find(first) != scene.npos);
+  scene.insert(scene.find(first) + first.size(),
+               R"({"surface": {"type": "mesh", "file": "mesh.obj"}, "color": [1, 1, 1]}, )");
+  put_bytes(folder / "scene.json", scene);
+  const std::string bricks = bytes_of(folder / "bricks.png"), mesh = bytes_of(folder / "mesh.obj");
+  for (const auto& [arguments, error] : {std::pair{"-o bricks.png", "-o: 'bricks.png'"},
+                                         {"-o ./bricks.png", "-o: './bricks.png'"},
+                                         {"--pixel 1,1 --rays mesh.obj", "--rays: 'mesh.obj'"}}) {
+    CAPTURE(arguments);
+    const Outcome outcome = run_stage("render", std::string("scene.json --size 8x6 ") + arguments, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err == std::string("render: ") + error +
+                             " is not another file than those of the scene\nRun with --help for what is "
+                             "allowed.\n");
+    CHECK(bytes_of(folder / "bricks.png") == bricks);
+    CHECK(bytes_of(folder / "mesh.obj") == mesh);
+  }
+  CHECK(run_stage("render", "scene.json --size 8x6 --pixel 1,1 --quiet -o bricks.png", folder).status == 0);
+  CHECK(bytes_of(folder / "bricks.png") == bricks);
+}
+
 TEST_CASE("render writes explanations to files of any case of their endings, but not over its scene") {
   const TemporaryFolder folder;
   const std::string scene = bytes_of(scene_path("three_spheres"));
@@ -80,7 +108,7 @@ TEST_CASE("render writes explanations to files of any case of their endings, but
     CHECK(outcome.status == 2);
     CHECK(outcome.out == "");
     CHECK_THAT(outcome.err,
-               ContainsSubstring("--explain: '" + name + "' is not another file than the scene's"));
+               ContainsSubstring("--explain: '" + name + "' is not another file than those of the scene"));
     CHECK(bytes_of(folder / "scene.json") == scene);
   }
   CHECK(run_stage("render", "scene.json --pixel 1,1 --explain other.json --quiet", folder).status == 0);

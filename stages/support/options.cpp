@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <initializer_list>
 #include <protostar/image.hpp>
 #include <protostar/io/scene_file.hpp>
@@ -22,6 +23,7 @@
 #include "option_values.hpp"
 #include "picture_file.hpp"
 #include "shard_number.hpp"
+#include "shared_render.hpp"
 
 namespace {
 
@@ -295,6 +297,18 @@ void check_parts(const CommandLine& line, const Options& options) {
     refuse("--checkpoint", options.checkpoint.string(), "another file than that of -o");
 }
 
+/// Refuses outputs that would replace a file that the scene was read from.
+void check_outputs(const Options& options, const std::vector<std::filesystem::path>& files) {
+  const std::filesystem::path picture = options.pixel ? std::filesystem::path() : options.output;
+  for (const auto& [option, output] : {std::pair{"-o", picture},
+                                       {"--noise", options.noise},
+                                       {"--explain", options.explain},
+                                       {"--rays", options.rays}})
+    for (const std::filesystem::path& file : files)
+      if (std::filesystem::is_regular_file(file) && is_same_place(output, file))
+        refuse(option, output.string(), "another file than those of the scene");
+}
+
 /// Refuses pictures whose work cannot be shared: those that are no sums of samples. Shards take Sobol' points
 /// unless another sampler is asked for. `crop` is the text of the option.
 void check_sums(const SettingNames& names, Options& options, std::string_view crop) {
@@ -413,8 +427,6 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
         throw UsageError(std::string(option) + " requires --pixel X,Y, which names the pixel");
     if (line.given("--explain")) check_name("--explain", explain, {".json"});
     if (line.given("--rays")) check_name("--rays", rays, {".svg", ".obj"});
-    if (of_scene && line.given("--explain") && is_same_place(explain, scene))
-      refuse("--explain", explain, "another file than the scene's");
     options.explain = explain;
     options.rays = rays;
     if (line.given("--integrator"))
@@ -467,6 +479,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     options.transfer = own_transfer.value_or(settings.transfer);
     options.tone = settings.tone;
     options.exposure = settings.exposure;
+    check_outputs(options, settings.files);
     const auto name_of_setting = [&](const std::string& name) {
       return of_scene && !line.given("--" + name) ? scene + ": /settings/" + name : "--" + name;
     };
@@ -476,7 +489,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     check_promise(passes, options, crop, size, scene);
     check_sums(names, options, crop);
     if (options.shard || !options.checkpoint.empty())
-      options.scene = settings.fingerprint ? settings.fingerprint() : program;
+      options.scene = settings.files.empty() ? program : "files " + fingerprint_of(settings.files);
     if (line.given("--timeout"))
       options.timeout = own_timeout;
     else if (of_scene)

@@ -47,8 +47,8 @@ struct StageDefaults {
   std::string filter = "box";
   std::uint64_t seed = 0;
 
-  /// Returns a text that is another one if a file is that the scene was read from; called if work is shared.
-  std::function<std::string()> fingerprint = {};
+  /// Files that the scene was read from, if any: its own, and those that it names.
+  std::vector<std::filesystem::path> files = {};
 
   /// Reads a scene file and returns its settings; for programs that draw scene files, empty for others.
   std::function<StageDefaults(const std::filesystem::path&, const protostar::ReadOptions&)> read_scene = {};
