@@ -289,7 +289,7 @@ TEST_CASE("an error on the command line is reported, with what is allowed, and n
     std::vector<std::string> named;
   };
   const std::string size = "WIDTHxHEIGHT, whole numbers of at least 1 whose product is at most 2^28";
-  const std::string threads = "a whole number of at least 0";
+  const std::string threads = "a whole number from 0 to 2147483647";
   const std::string transfer = "srgb, linear or gamma=G with a number G greater than 0";
   const std::string pixel = "X,Y, whole numbers of a pixel inside the picture";
   const std::string endings = "a file that ends in .ppm, .png, .pfm or .hdr, or a device or pipe that exists";

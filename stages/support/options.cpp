@@ -449,7 +449,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     read_pass_options(line, passes, options);
     if (line.given("--threads"))
       options.threads = read_whole(
-          "--threads", threads, [](int n) { return n >= 0; }, "a whole number of at least 0");
+          "--threads", threads, [](int n) { return n >= 0; }, "a whole number from 0 to 2147483647");
     if (line.given("--timeout")) own_timeout = read_timeout(timeout);
     for (std::size_t i = 0; i < numbers.size(); ++i)
       if (line.given(options.numbers[i].name))
