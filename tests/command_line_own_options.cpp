@@ -26,6 +26,22 @@ TEST_CASE("the option --epsilon takes finite numbers above 0, and a march with a
     CHECK(run_stage(stage, "--size 16x12 --epsilon 0.5", folder).status == 2);
 }
 
+TEST_CASE("the option --offset takes numbers that a float holds") {
+  const TemporaryFolder folder;
+  for (const std::string stage : {"08_naive", "09_naive"}) {
+    CAPTURE(stage);
+    for (const std::string value : {"0", "-1", "3.4e38"})
+      CHECK(run_stage(stage, "--size 16x12 --offset " + value, folder).status == 0);
+    for (const std::string value : {"nan", "inf", "1e39", "-1e400", "x"}) {
+      const Outcome outcome = run_stage(stage, "--size 16x12 --offset " + value, folder);
+      CAPTURE(value);
+      CHECK(outcome.status == 2);
+      CHECK_THAT(outcome.err,
+                 ContainsSubstring("--offset: '" + value + "' is not a number of at most 3.4e38 "));
+    }
+  }
+}
+
 TEST_CASE("the option --help tells what an option of a stage's own is by default") {
   const TemporaryFolder folder;
   for (const auto& [stage, text] :

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <limits>
 #include <protostar/image.hpp>
 #include <protostar/io/scene_file.hpp>
 #include <protostar/io/text.hpp>
@@ -140,9 +141,10 @@ double read_number(const std::string& option, std::string_view text, bool (*is_a
   return *value;
 }
 
-double read_finite(const std::string& option, std::string_view text) {
+double read_in_float(const std::string& option, std::string_view text) {
   return read_number(
-      option, text, [](double) { return true; }, "a finite number");
+      option, text, [](double x) { return std::abs(x) <= std::numeric_limits<float>::max(); },
+      "a number of at most 3.4e38 in magnitude, which a float holds");
 }
 
 double read_above_0(const std::string& option, std::string_view text) {
@@ -454,7 +456,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     for (std::size_t i = 0; i < numbers.size(); ++i)
       if (line.given(options.numbers[i].name))
         options.numbers[i].value =
-            (options.numbers[i].positive ? read_above_0 : read_finite)(options.numbers[i].name, numbers[i]);
+            (options.numbers[i].positive ? read_above_0 : read_in_float)(options.numbers[i].name, numbers[i]);
 
     // The scene is read when nothing else is wrong. Without --size, only the scene tells the size of the
     // picture, and thus whether the crop lies inside.

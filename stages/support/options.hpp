@@ -15,7 +15,7 @@
 
 #include "shard_number.hpp"
 
-/// Option of one stage that takes a finite number, or one greater than 0.
+/// Option of one stage that takes a number in the range of float, or a finite one greater than 0.
 struct NumberOption {
   std::string name, help;
   double value;           ///< default if the option is not given
