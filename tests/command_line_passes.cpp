@@ -236,6 +236,25 @@ TEST_CASE("a scene file's error is that of the picture, unless the command line 
   CHECK(samples_told(run_stage("render", "e.json --size 64x48", folder).out) == "16");
 }
 
+TEST_CASE("options that exclude an error tell that it is the scene's") {
+  const TemporaryFolder folder;
+  put_bytes(folder / "s.json",
+            changed_three_spheres("\"resolution-x\"", "\"error\": 0.05, \"resolution-x\""));
+  for (const auto& [option, arguments] : {std::pair{"--pixel", "--pixel 1,1"},
+                                          {"--shard", "--shard 0/2 -o a.shard"},
+                                          {"--checkpoint", "--checkpoint state"}}) {
+    CAPTURE(option);
+    const Outcome outcome = run_stage("render", std::string("s.json --size 64x48 ") + arguments, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err == std::string("render: ") + option +
+                             ": needs a known number of samples, and the scene asks for an error; --samples "
+                             "N takes its place\nRun with --help for what is allowed.\n");
+  }
+  CHECK(run_stage("render", "s.json --size 64x48 --pixel 1,1 --samples 4 --quiet", folder).status == 0);
+  CHECK(folder.count() == 1);
+}
+
 TEST_CASE("the progress of a picture with --time tells the remaining seconds, however many", "[long]") {
   if (!has_terminals()) {
     WARN("not tested: this system has no pseudo terminals");

@@ -199,6 +199,10 @@ struct SettingNames {
   std::string sampler, filter;
 };
 
+/// Message about an option that excludes an error, if the scene asks for one.
+constexpr const char* of_scenes_error =
+    "needs a known number of samples, and the scene asks for an error; --samples N takes its place";
+
 /// Refuses options of passes that make no sense together, when all settings are known.
 void check_passes(const PassTexts& texts, const SettingNames& names, const Options& options) {
   const bool is_open = options.error > 0 || options.seconds > 0;
@@ -216,6 +220,7 @@ void check_passes(const PassTexts& texts, const SettingNames& names, const Optio
                (options.sampler == "hammersley" ? "its numbers are the same in every pixel and for every seed"
                                                 : "its samples depend on each other and on their number") +
                ", so they tell no error; sobol, halton and independent do");
+  if (options.pixel && options.error > 0 && texts.error.empty()) throw UsageError("--pixel", of_scenes_error);
   if (options.pixel && (options.in_passes() || options.clamp > 0))
     throw UsageError("--pixel excludes --error, --time, --noise and --clamp; --samples N sets the samples");
 }
@@ -316,10 +321,7 @@ void check_outputs(const Options& options, const std::vector<std::filesystem::pa
 void check_sums(const SettingNames& names, Options& options, std::string_view crop) {
   if (!options.shard && options.checkpoint.empty()) return;
   const std::string option = options.shard ? "--shard" : "--checkpoint";
-  if (options.in_passes())
-    throw UsageError(option,
-                     "needs a known number of samples, and the scene asks for an error; "
-                     "--samples N takes its place");
+  if (options.in_passes()) throw UsageError(option, of_scenes_error);
   if (options.samples < 2)
     throw UsageError(option, "shares sums of samples, and the picture has " +
                                  (options.samples == 1 ? std::string("one sample a pixel")
