@@ -1,0 +1,51 @@
+#include <protostar/numeric/scale.hpp>
+#include <protostar/surfaces/box.hpp>
+#include <protostar/surfaces/csg.hpp>
+#include <protostar/surfaces/sphere.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "support/catch.hpp"
+#include "support/common.hpp"
+#include "support/wrong_cases.hpp"
+
+using namespace protostar;
+
+TEST_CASE("a CSG tree is crossed at the same points along directions of any length") {
+  const double far = 0x1p399;
+  const Sphere large{{far, 0, 0}, far}, around{Point{0}, far}, small{Point{0}, 0x1p-300};
+  const Box wide{{0, -far, -far}, {far, far, far}};
+  const std::vector<Csg> trees{large,
+                               difference_of({large, small}),
+                               intersection_of({large, small}),
+                               union_of({large, small}),
+                               intersection_of({wide, small}),
+                               difference_of({small, wide}),
+                               intersection_of({around, small}),
+                               difference_of({small, around}),
+                               union_of({intersection_of({around, small}), wide})};
+  const auto crossings = [](const Csg& tree, const Ray& ray) {
+    std::vector<Crossing> all;
+    tree.each_crossing(ray, {-infinity, infinity},
+                       [&](const Crossing& crossing) { all.push_back(crossing); });
+    return all;
+  };
+  const auto are_alike = [](const Crossing& a, const Crossing& b) {  // each t is off by at most one error
+    return a.primitive == b.primitive && std::abs(a.t - b.t) <= 3 * Roots::relative_error * std::abs(a.t);
+  };
+  WrongCases wrong;
+  for (const Csg& tree : trees)
+    for (const double x : {-0x1p-320, 0x1p-310, -0x1p-200})
+      for (const Vec3& towards : {Vec3{1, 0, 0}, Vec3{-0.5, 0, 0}, Vec3{0.75, 0x1p-40, 0}})
+        for (const int shorter : {99, 550, 650, 1000, 1030}) {
+          std::vector<Crossing> expected = crossings(tree, {{x, 0, 0}, towards});
+          for (Crossing& crossing : expected) crossing.t = std::ldexp(crossing.t, shorter);
+          std::erase_if(expected, [](const Crossing& crossing) { return !std::isfinite(crossing.t); });
+          const std::vector<Crossing> found = crossings(tree, {{x, 0, 0}, scaled(towards, -shorter)});
+          wrong.add(!std::equal(found.begin(), found.end(), expected.begin(), expected.end(), are_alike), "x",
+                    x, "direction", towards.x, towards.y, "shorter by 2^", shorter);
+        }
+  CHECK(wrong == 0);
+}
