@@ -78,20 +78,13 @@ double chi_squared_of_lobe(const auto& lobe, const Vec3& view, std::uint64_t see
     const int ring = std::clamp(static_cast<int>(s * rings), 0, rings - 1);
     ++counts[static_cast<std::size_t>(ring * turns + std::clamp(static_cast<int>(t * turns), 0, turns - 1))];
   }
-  double rest = 0, rest_expected = 0, sum = 0;
-  int cells = 0;
   const auto density = [&](const Vec3& d) { return lobe.density(view, d); };
-  for (int i = 0; i < rings * turns; ++i) {
+  const auto counted = [&](int i) { return counts[static_cast<std::size_t>(i)]; };
+  const auto expected = [&](int i) {
     const double s = static_cast<double>(i / turns) / rings, t = static_cast<double>(i % turns) / turns;
-    const double expected = count * around.integral(density, 12, 6, s, s + 1.0 / rings, t, t + 1.0 / turns);
-    const double difference = counts[static_cast<std::size_t>(i)] - expected;
-    if (expected < 10)
-      rest += counts[static_cast<std::size_t>(i)], rest_expected += expected;  // one cell together
-    else
-      sum += difference * difference / expected, ++cells;
-  }
-  if (rest_expected > 10) sum += (rest - rest_expected) * (rest - rest_expected) / rest_expected, ++cells;
-  return sum / chi_squared_bound(cells - 1);
+    return count * around.integral(density, 12, 6, s, s + 1.0 / rings, t, t + 1.0 / turns);
+  };
+  return chi_squared_over_bound(rings * turns, counted, expected);
 }
 
 /// Checks a lobe for one view: density, samples, weights, albedo, and exchange of view and light.

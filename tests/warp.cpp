@@ -73,18 +73,10 @@ double chi_squared_of(const auto& map, const auto& density, double lowest, std::
                                  2 * std::numbers::pi * ((i % azimuths + (b + 0.5) / m) / azimuths - 0.5)));
     expected.push_back(count * sum * (1 - lowest) * 2 * std::numbers::pi / (heights * azimuths * n * m));
   }
-  // Cells with few expected directions are one.
-  double rest = 0, rest_expected = 0, sum = 0;
-  int cells = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    if (expected[i] < 10) {
-      rest += counts[i], rest_expected += expected[i];
-      continue;
-    }
-    sum += (counts[i] - expected[i]) * (counts[i] - expected[i]) / expected[i], ++cells;
-  }
-  if (rest_expected > 10) sum += (rest - rest_expected) * (rest - rest_expected) / rest_expected, ++cells;
-  return sum / chi_squared_bound(cells - 1);
+  const auto at = [](const auto& cells) {
+    return [&](int i) { return static_cast<double>(cells[static_cast<std::size_t>(i)]); };
+  };
+  return chi_squared_over_bound(heights * azimuths, at(counts), at(expected));
 }
 
 /// Checks that a density integrates to 1, and that a map draws directions with it.
