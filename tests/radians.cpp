@@ -141,16 +141,16 @@ TEST_CASE("a half angle has digits for small angles and for those close to a hal
   double most = 0;
   for (int i = 0; i < 20000; ++i) {
     const double y = std::exp2(random.real(-300, 0)), x = random.real(-1, 1);
-    const long double half = std::atan2(static_cast<long double>(y), x) / 2;
     const auto [sine, cosine] = half_angle(y, x);
     // For an angle close to π, the cosine is the sine of half of what is missing.
     const long double small = std::atan2(static_cast<long double>(y), std::abs(x)) / 2;
     most = std::max(
         {most, units(x < 0 ? cosine : sine, std::sin(small)), units(x < 0 ? sine : cosine, std::cos(small))});
-    CHECK(std::abs(sine - std::sin(static_cast<double>(half))) < 1e-15);
   }
   CHECK(most > 0.5);
-  CHECK(most < 5);
+  // r is off by 2u, its quotient with x by u more, the larger one by 1.75u in itself; the other one by 2u for
+  // r, 1.75u, and u for each of two quotients. Measured are 3u.
+  CHECK(most <= 5.75);
 }
 
 TEST_CASE("precise angles are those of exact addition") {
