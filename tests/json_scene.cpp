@@ -375,7 +375,7 @@ TEST_CASE("a scene file of Luminosity is read without changes") {
   CHECK(same_camera(file.camera, Camera::sensor({0, 2, -12}, {0, 0, 1}, {0, 1, 0}, 2.5)));
   // The distance is along the unit normal.
   CHECK(file.scene.surfaces<Plane>()[0].distance == -3);
-  CHECK(file.scene.surfaces<Plane>()[0].normal == normalize(Vec3{1, 0, -1}));
+  CHECK(file.scene.surfaces<Plane>()[0].normal == Vec3{1, 0, -1} / std::sqrt(2.0));
   // A light with an intensity is equally bright at any distance.
   const Vec3 up{0, 1, 0};
   CHECK(file.scene.lights()[0].irradiance(Point{4, 0, -6}, up) == Color{0.9f, 0.9f, 0.8f});
