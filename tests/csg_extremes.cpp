@@ -49,3 +49,17 @@ TEST_CASE("a CSG tree is crossed at the same points along directions of any leng
         }
   CHECK(wrong == 0);
 }
+
+TEST_CASE("next to a face of a CSG tree, t has all digits along a direction of any length") {
+  const Box box{{0, -1, -1}, {2, 1, 1}};
+  const Csg tree = union_of({box, Sphere{{50, 0, 0}, 1}});
+  for (const int nearness : {300, 1000, 1022, 1030, 1050, 1074})
+    for (const int shorter : {200, 650, 1000, 1022}) {
+      CAPTURE(nearness, shorter);
+      const Ray ray{{-std::ldexp(1.25, -nearness), 0.125, 0.25}, {std::ldexp(0.75, -shorter), 0, 0}};
+      const auto found = tree.first_crossing(ray, {});
+      REQUIRE(found);
+      const double t = -ray.origin.x / ray.direction.x;
+      CHECK(std::abs(found->t - t) <= 2 * Roots::relative_error * t);
+    }
+}

@@ -268,10 +268,11 @@ class Csg {
   /// returns true. A crossing at t = 0 is left out if the ray departs from a leaf.
   ///
   /// Along a very short direction t may be beyond the range of double, and a crossing that is missing for
-  /// that would turn its leaf inside out. Hence a short direction is multiplied by a power of two, without
-  /// rounding (docs/derivations.md, Solids made of solids).
+  /// that would turn its leaf inside out. Hence a direction shorter than 2^-100 is multiplied by a power of
+  /// two, without rounding, and is about 2^-100 long: if it were longer, t next to a surface might be below
+  /// the range of double (docs/derivations.md, Solids made of solids).
   void walk(const Ray& ray, const auto& visit) const {
-    const int lift = ray.transform == nullptr ? std::max(0, -immoderate_exponent(ray.direction)) : 0;
+    const int lift = ray.transform == nullptr ? std::max(0, -99 - exponent_of({ray.direction})) : 0;
     if (lift == 0) return walk_along(ray, 0, visit);
     Ray lifted = ray;
     lifted.direction = scaled(ray.direction, lift);
