@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <concepts>
 #include <cstdint>
 #include <functional>
 
@@ -20,6 +21,7 @@
 
 using namespace protostar;
 using simd::Bits;
+using simd::CameraPacket;
 using simd::double_lanes;
 using simd::LaneMask;
 using simd::RayPacket;
@@ -56,6 +58,13 @@ RayPacket packet_of(const Bundle& bundle, LaneMask active) {
 /// Returns the packet of some rays, all starting at the first one's origin.
 RayPacket packet_from_one_point(const Bundle& bundle, LaneMask active) {
   return {bundle[0].origin, directions_of(bundle), active, bundle[0].departure};
+}
+
+/// Returns the packet of a pinhole's rays, which depart from nothing.
+CameraPacket packet_of_pinhole(const Bundle& bundle, LaneMask active) {
+  CameraPacket rays(bundle[0].origin, directions_of(bundle), active);
+  rays.start_together = true;
+  return rays;
 }
 
 bool same_bits(double a, double b) {
@@ -100,8 +109,14 @@ void compare(const S& surface, const auto& rays, Random& random, Comparison& tal
                       surface, rays[i], near[i], far[i]);
     }
   }
+  // Rays of a camera are asked for their first crossings in t > 0 alone.
+  const auto crossings_in = [&](Interval range) {
+    if constexpr (std::same_as<decltype(rays), const CameraPacket&>)
+      if (range.min == 0 && range.max == infinity) return first_crossings(surface, rays, active);
+    return first_crossings(surface, static_cast<const RayPacket&>(rays), active, range);
+  };
   const auto compare_in = [&](Interval range, bool may_be_in_doubt) {
-    const simd::ClosestCrossings first = first_crossings(surface, rays, active, range);
+    const simd::ClosestCrossings first = crossings_in(range);
     const auto crossed = crossed_in(surface, rays, active, range);
     for (int i = 0; i < double_lanes; ++i) {
       if (!has(active, i)) {
@@ -142,7 +157,8 @@ LaneMask some_lanes(Random& random) {
   return simd::mask_of<double, double_lanes>(random.bits() % 2 ? all : some);
 }
 
-/// Compares a surface's answers for packets with many origins and with one origin, in a number of rounds.
+/// Compares a surface's answers for packets with many origins, with one origin, and of a pinhole, in a number
+/// of rounds.
 Comparison compare(const std::function<Ray(Random&)>& ray, const auto& surface_of, int rounds) {
   Comparison tally;
   Random random(7);
@@ -153,6 +169,8 @@ Comparison compare(const std::function<Ray(Random&)>& ray, const auto& surface_o
     for (Ray& r : bundle) r.departure = bundle[0].departure;
     compare(surface, packet_of(bundle, some_lanes(random)), random, tally);
     compare(surface, packet_from_one_point(bundle, some_lanes(random)), random, tally);
+    if (bundle[0].departure.kind == Departure::Kind::none)
+      compare(surface, packet_of_pinhole(bundle, some_lanes(random)), random, tally);
   }
   return tally;
 }
