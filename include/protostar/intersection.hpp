@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <new>
 #include <optional>
 
 #include "magnitude.hpp"
@@ -206,7 +207,7 @@ class Intersection {
   /// Makes a ray that one from here, written number by number (copied).
   void leave(const Vec3& direction, Ray& ray) const {
     ray.origin = copied(point()), ray.direction = copied(direction);
-    ray.departure = departure();
+    new (&ray.departure) Departure(departure());  // made in its place, and not copied there
     ray.transform = nullptr, ray.is_reversed = false, ray.time = ray_.time;
   }
 
