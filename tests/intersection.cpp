@@ -69,6 +69,29 @@ TEST_CASE("a ray that leaves an intersection starts at its point and has the dep
   CHECK(ground->t == 1);
 }
 
+TEST_CASE("a ray that is made where it is kept is the one that leaves the intersection") {
+  const auto scene = ball_on_scaled_ground();
+  for (const Vec3& direction : {Vec3{0, 0, 1}, Vec3{0, -1, 0.25}}) {
+    const auto hit = scene.intersect({.origin = {0, 0, 0}, .direction = direction, .time = 0.75});
+    REQUIRE(hit);
+    const Ray expected = hit->leave({0.5, 0, -2});
+    Ray kept{
+        .origin = {7, 7, 7},
+        .direction = {7, 7, 7},
+        .departure = {.kind = Departure::Kind::object, .primitive = 7, .object = &scene, .surface = &scene},
+        .is_reversed = true,
+        .time = 7};
+    hit->leave({0.5, 0, -2}, kept);
+    CHECK(kept.origin == expected.origin);
+    CHECK(kept.direction == expected.direction);
+    CHECK(kept.departure == expected.departure);
+    CHECK(kept.departure.surface == expected.departure.surface);
+    CHECK(kept.transform == nullptr);
+    CHECK_FALSE(kept.is_reversed);
+    CHECK(kept.time == 0.75);
+  }
+}
+
 TEST_CASE("crossings at the ray's origin have no order") {
   Scene<Sphere, Plane> scene;
   scene.add(Sphere{.center = {-2, 1, -2}, .radius = 3}, Color{1});

@@ -204,7 +204,7 @@ class Intersection {
     return {.origin = point(), .direction = direction, .departure = departure(), .time = ray_.time};
   }
 
-  /// Makes a ray that one from here, written number by number (copied).
+  /// Sets a ray to leave(direction), number by number (copied).
   void leave(const Vec3& direction, Ray& ray) const {
     ray.origin = copied(point()), ray.direction = copied(direction);
     new (&ray.departure) Departure(departure());  // made in its place, and not copied there
