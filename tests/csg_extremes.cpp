@@ -1,6 +1,7 @@
 #include <protostar/numeric/scale.hpp>
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>
+#include <protostar/surfaces/instance.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 #include <algorithm>
@@ -62,4 +63,19 @@ TEST_CASE("next to a face of a CSG tree, t has all digits along a direction of a
       const double t = -ray.origin.x / ray.direction.x;
       CHECK(std::abs(found->t - t) <= 2 * Roots::relative_error * t);
     }
+}
+
+TEST_CASE("a CSG tree in an instance is touched by a ray of a short direction where it touches the tree") {
+  const Csg tree = union_of({Sphere{}, Sphere{{50, 0, 0}, 1}});
+  const Instance instance{tree, Affine{}.moved_by({4, 0, 0})};
+  for (const int shorter : {0, 99, 150, 400}) {
+    CAPTURE(shorter);
+    const Vec3 direction = scaled({0, 1, 0}, -shorter);
+    for (const auto& found : {tree.first_crossing({{1, -2, 0}, direction}, {}),
+                              instance.first_crossing({{5, -2, 0}, direction}, {})})
+      CHECK_FALSE(found);  // in at a point, and out again
+    const auto through = instance.first_crossing({{5 - 0x1p-50, -2, 0}, direction}, {});
+    REQUIRE(through);
+    CHECK(std::abs(std::ldexp(through->t, -shorter) - 2) < 0x1p-24);
+  }
 }
