@@ -19,8 +19,8 @@ concept PacketIntegrator = std::same_as<typename I::TakesPackets, I>;
 
 /// Integrator of paths that begin at the closest hits of camera rays, which are found in packets, and go on
 /// from hit to hit: meet(path, hit, scene, draw) returns true if the path goes on along path.ray, and
-/// leave(path, scene) the light of one that hits nothing. Paths of several pixels go on together. It declares
-/// this for its own type only, as the one above.
+/// leave(path, scene) the light of one that hits nothing. Paths of several pixels go on together, each an
+/// I::Path, whose type needs no destructor. It declares this for its own type only, as the one above.
 template <class I>
 concept FollowsPaths = std::same_as<typename I::FollowsPaths, I>;
 
