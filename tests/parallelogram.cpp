@@ -172,8 +172,12 @@ TEST_CASE("the normal of a parallelogram is the unit vector along edge_u × edge
 
 TEST_CASE("u and v are lengths along the edges, from position") {
   const Parallelogram s{.position = {1, 2, 3}, .edge_u = {0, 3, 4}, .edge_v = {2, 2, 1}};
+  // With v = 2^-53, unit vectors are off by v in direction and 3.5v in length, and cross products of vectors
+  // of the sine 0.745 by 2.83v of their factors. The vector to the point is shorter than |α| + |β|: α is off
+  // by 5.2v of that and by 23v of itself.
   const auto is_near = [](const Uv& a, const Uv& b) {
-    return std::abs(a.x - b.x) < 1e-14 && std::abs(a.y - b.y) < 1e-14;
+    const double most = 28.2 * 0x1p-53 * (std::abs(b.x) + std::abs(b.y));
+    return std::abs(a.x - b.x) <= most && std::abs(a.y - b.y) <= most;
   };
   CHECK(s.uv_at(s.position) == Uv{0, 0});
   CHECK(is_near(s.uv_at(s.position + s.edge_u), {5, 0}));
@@ -205,7 +209,10 @@ TEST_CASE("the bounds of a parallelogram hold its vertices, and are tight") {
           const double rounded = static_cast<double>(DoubleDouble(vertex));
           least = std::min(least, rounded), most = std::max(most, rounded);
         }
-      loose.add(!(max[axis] - most < 1e-11 && least - min[axis] < 1e-11), s, least);
+      // With u = 2^-53, each of two sums is rounded by u, and moved by 2u and its rounding: 4u of 1000 and of
+      // 2000. The exact one is rounded by u.
+      constexpr double off = (4 * 1000 + 4 * 2000 + 2000) * 1.001 * 0x1p-53;
+      loose.add(!(max[axis] - most <= off && least - min[axis] <= off), s, least);
     }
   }
   CHECK(outside == 0);
@@ -433,9 +440,11 @@ TEST_CASE("a board on a floor, in the floor's color, changes no shadow that fall
   for (std::size_t i = 0; i < found.size(); ++i)
     for (int y = 0; y < found[i].height(); ++y)
       for (int x = 0; x < found[i].width(); ++x) {
-        // The other surface rounds t, and hence the point, differently.
+        // The other surface rounds t, and hence the point, differently: by 2^-30 of the way of at most 8.
+        // Light from distances of 2 and more changes by 3/2 of that, and floats are rounded four times.
         const float difference = found[i](x, y).r - expected[0](x, y).r;
-        wrong.add(!(std::abs(difference) <= 1e-5f * expected[0](x, y).r), floor, board, above, difference);
+        wrong.add(!(std::abs(difference) <= (8 * 1.5f * 0x1p-30f + 0x1p-22f) * expected[0](x, y).r), floor,
+                  board, above, difference);
         dark += y > 32 && expected[0](x, y).r == 0;
       }
   CHECK(dark > 150);

@@ -202,8 +202,10 @@ TEST_CASE("a quadric that is a sphere is hit where the sphere is, with its norma
     ++hits;
     wrong.add(!(std::abs(*expected - *found) <= 0x1p-29 * *expected), sphere, quadric, ray);
     const Point p = ray.at(*expected);
-    wrong.add(!(length(quadric.normal_at(p) - sphere.normal_at(p)) < 1e-12), sphere, quadric, ray, p);
-    wrong.add(!(length(Vec3(quadric.uv_at(p) - sphere.uv_at(p), 0)) < 1e-9), sphere, quadric, ray, p);
+    // The gradient is p − center, as the sphere's vector is, which is rounded twice before normalize.
+    wrong.add(!(length(quadric.normal_at(p) - normalize(sphere.normal_at(p))) <= 11.001 * 0x1p-53), sphere,
+              quadric, ray, p);
+    wrong.add(quadric.uv_at(p) != sphere.uv_at(p), sphere, quadric, ray, p);
   }
   CHECK(hits > 1000);
   CHECK(wrong == 0);
@@ -224,12 +226,16 @@ TEST_CASE("a hit lies on the quadric, and the normal there is a unit vector poin
     };
     const Point p = ray.at(*t);
     const Vec3 n = quadric.normal_at(p), gradient = 2.0 * (quadric.form.times(p) + quadric.form.linear);
-    const double size = 3 * dot(p, p) + 4 * length(p) + 1;
-    wrong.add(!(std::abs(f(p)) <= 0x1p-30 * length(gradient) * *t * length(ray.direction) + 64 * ulp * size),
-              quadric, ray, p, size);
-    wrong.add(!(std::abs(length(n) - 1) < 4 * ulp), quadric, ray, n);
-    const double off = 1e-4 * length(gradient);
-    if (off > 1e-5) wrong.add(!(f(p + off * n) > 0 && f(p - off * n) < 0), quadric, ray, p, n, off);
+    // The point is off by 2^-30 of the way to it, and with u = 2^-53 by u of the way and of itself; the terms
+    // of f are off by up to 8u.
+    const double size = 3 * dot(p, p) + 4 * length(p) + 1, way = *t * length(ray.direction);
+    const double most = length(gradient) * (0x1p-30 * way + 0x1p-53 * (way + length(p))) + 8 * 0x1p-53 * size;
+    wrong.add(!(std::abs(f(p)) <= most), quadric, ray, p, size);
+    wrong.add(!(std::abs(length(n) - 1) <= 7.001 * 0x1p-53), quadric, ray, n);  // 4.5u and 2.5u
+    // The slope of f is the gradient's length along it, and changes by less than 2^-10 of itself.
+    const double off = 0x1p-13 * length(gradient);
+    if (off * length(gradient) > 2 * most)
+      wrong.add(!(f(p + off * n) > 0 && f(p - off * n) < 0), quadric, ray, p, n, off);
   }
   CHECK(hits > 5000);
   CHECK(wrong == 0);
@@ -473,8 +479,10 @@ TEST_CASE("quadrics other than ellipsoids have no bounds, and neither have inver
     CHECK(is_everywhere({{.constant = bad}}));
   }
   // Quadrics that are a point, or empty.
-  CHECK(length(Quadric{{.linear = {-3, 0, 0}, .constant = 9}}.bounds().min - Vec3{3, 0, 0}) < 1e-14);
-  CHECK(length(Quadric{{.constant = 1}}.bounds().max) < 1e-14);
+  constexpr double least = 0x1p-1074;  // the doubles next to the point are the bounds
+  CHECK(Quadric{{.linear = {-3, 0, 0}, .constant = 9}}.bounds().min ==
+        Point{std::nextafter(3, 0), -least, -least});
+  CHECK(Quadric{{.constant = 1}}.bounds().max == Point{least});
   for (const double size : {0x1p-400, 0x1p-200, 1.0, 0x1p200, 0x1p400})
     for (const double factor : {0x1p-200, 1.0, 0x1p200}) {
       const Bounds bounds = Quadric{{Vec3{factor}, {}, {}, -factor * size * size}}.bounds();
@@ -560,7 +568,8 @@ TEST_CASE("pictures of quadrics are the same ray by ray, accelerated and by tile
     ++lit;
     const Ray to_light = hit->leave(light - hit->point());
     if (!(dot(hit->facing_normal(), to_light.direction) > 0)) continue;
-    if (const auto shadow = scene.intersect(to_light, {0, 1})) acne.add(shadow->t < 1e-9, to_light);
+    if (const auto shadow = scene.intersect(to_light, {0, 1}))
+      acne.add(shadow->t < 0x1p-7, to_light);  // nothing else is so near
   }
   CHECK(lit > 1000);
   CHECK(acne == 0);
