@@ -23,10 +23,11 @@ inline const protostar::Interval everywhere{-protostar::infinity, protostar::inf
 /// The ray from the origin along the z axis, to where a default camera looks.
 inline const protostar::Ray ray_along_z{{0, 0, 0}, {0, 0, 1}};
 
-/// Returns true if two colors differ by at most a millionth of their size.
+/// Returns true if two colors differ by at most five roundings of float, each of 2^-24 of a channel, for a
+/// power with 4π in it, irradiance, its product with a color, a sum, and the expected color.
 inline bool near(const protostar::Color& a, const protostar::Color& b) {
-  const protostar::Color difference = abs(a - b), size = abs(a) + abs(b);
-  return difference.r <= 1e-6f * size.r && difference.g <= 1e-6f * size.g && difference.b <= 1e-6f * size.b;
+  const protostar::Color difference = abs(a - b), most = 5 * 0x1p-25f * (abs(a) + abs(b));
+  return difference.r <= most.r && difference.g <= most.g && difference.b <= most.b;
 }
 
 inline std::vector<double> list(const protostar::Roots& roots) { return {roots.begin(), roots.end()}; }
