@@ -386,8 +386,8 @@ TEST_CASE("a packet hits a parallelogram where each of its rays does, or is in d
 
   const auto on_it = [](Random& r) { return Point{r.real(-1, 1), -1, r.real(-1, 1)}; };
   // Of seven questions, two have a range that ends where a ray hits. Of packets with one origin, which are
-  // half of all, only the first ray does so.
-  const double at_the_end = 2.0 / 7 * (1 + 1.0 / double_lanes) / 2;
+  // two of three, only the first ray does so.
+  const double at_the_end = 2.0 / 7 * (1 + 2.0 / double_lanes) / 3;
   for (const PacketRow& row :
        {PacketRow{"to a point of it",
                   [&](Random& r) {
