@@ -54,6 +54,7 @@ const std::set<std::string> on_demand = {
     "path_vertex.hpp",
     "environment_image.hpp",
     "texture_image.hpp",
+    "shared_image.hpp",
     "environment_light.hpp",
     "fields/field.hpp",
     "fields/operations.hpp",

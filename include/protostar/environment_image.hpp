@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "texture_image.hpp"
+#include "shared_image.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {

@@ -1,39 +1,14 @@
-// Images that are shared, and images as textures and as normal maps, by the coordinates u and v of a surface.
+// Images as textures and as normal maps, by the coordinates u and v of a surface.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
-#include <memory>
-#include <stdexcept>
 #include <string>
-#include <utility>
 
-#include "image.hpp"
+#include "shared_image.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Image that its copies share. There always is one.
-class SharedImage {
- public:
-  /// Takes a shared pointer to an image. Throws std::invalid_argument if it is null.
-  template <std::convertible_to<std::shared_ptr<const Image>> P>
-  SharedImage(P image) : image_(std::move(image)) {
-    if (!image_) throw std::invalid_argument("SharedImage: the pointer to an image must not be null");
-  }
-
-  // Copied, never moved: a pointer that was moved from is null.
-  SharedImage(const SharedImage&) = default;
-  SharedImage& operator=(const SharedImage&) = default;
-  ~SharedImage() = default;
-
-  [[nodiscard]] const Image& operator*() const { return *image_; }
-  [[nodiscard]] const Image* operator->() const { return image_.get(); }
-
- private:
-  std::shared_ptr<const Image> image_;
-};
 
 /// Texture that shows an image, which its copies share. The image lies on 0 ≤ u < size_u and 0 ≤ v < size_v,
 /// with its left edge at u = 0 and its top row at v = 0, and repeats in both directions. A point has the
