@@ -2,6 +2,7 @@
 #include <protostar/surfaces/box.hpp>
 #include <protostar/surfaces/csg.hpp>
 #include <protostar/surfaces/instance.hpp>
+#include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 
 #include <algorithm>
@@ -13,6 +14,21 @@
 #include "support/wrong_cases.hpp"
 
 using namespace protostar;
+
+TEST_CASE("a crossing too far away for a double does not turn a solid of a CSG tree inside out") {
+  const Quadric cylinder{{{1, 0, 1}, Vec3{0}, Vec3{0}, -1}},
+      paraboloid{{{0, 0, 1}, Vec3{0}, {-0.5, 0, 0}, 0}};
+  const Box box{{-3, -3, -0.5}, {3, 3, 0.5}};
+  for (const double aside : {0.0, 1e-300, 1e-310, -1e-310, 0x1p-1074}) {
+    CAPTURE(aside);
+    // Inside of the cylinder from −1e310 to 1e310 or so, and inside of the paraboloid from 0 on.
+    const Ray up{{0.5, -9, 0}, {aside, 1, 0}}, along{{-9, 1, 0}, {1, 0, aside}};
+    CHECK_FALSE(difference_of({box, cylinder}).intersect(up));
+    CHECK(intersection_of({box, cylinder}).intersect(up) == 6);
+    CHECK(difference_of({box, paraboloid}).intersect(along) == 6);
+    CHECK(intersection_of({box, paraboloid}).intersect(along) == 9);
+  }
+}
 
 TEST_CASE("a CSG tree is crossed at the same points along directions of any length") {
   const double far = 0x1p399;
