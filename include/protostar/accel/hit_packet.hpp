@@ -28,7 +28,8 @@ class HitPacket {
 
   Doubles t;  ///< parameter of each ray at its hit
 
-  /// Takes the constants of the surface, or null: it then computes its normal for each packet.
+  /// Takes the constants of the surface; without them (null) the normal of a flat surface is computed for
+  /// each packet.
   HitPacket(const RayPacket& rays, Doubles at, LaneMask which, const S& surface, const Material& material,
             const Primitives& primitives = {}, const SurfaceConstants* constants = nullptr)
       : t(at),

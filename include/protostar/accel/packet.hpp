@@ -145,8 +145,8 @@ struct CameraPacket : RayPacket {
   using RayPacket::RayPacket;
 };
 
-/// Rays that start together, with their start as one point: what a surface's equation has of that point alone
-/// is computed once for all of them. They depart from no surface.
+/// Rays that start at one point, which is not stored in lanes: the terms of a surface's equation that depend
+/// on that point alone are computed once for all rays. The rays depart from no surface.
 struct RaysFromPoint {
   Point origin;
   const Vectors& direction;

@@ -32,11 +32,10 @@ class TileHits {
   static constexpr bool rasterizes = (RasterizedSurface<S> || ...);  ///< any type can be rasterized
   static constexpr bool may_have_primitives = (is_made_of_primitives<S> || ...);  ///< a type may have them
 
-  /// First type, whose surfaces are shaded, and tested by shadow rays, inline. In scenes of more than two
-  /// types, calls lead to the code of the others, which would take its registers.
+  /// In scenes of more than two types, the code that shades hits and tests shadow rays is inlined for the
+  /// first type alone, and called for the others: scenes of any type are drawn faster then.
   using First = std::tuple_element_t<0, std::tuple<S...>>;
-  template <class T>
-  static constexpr bool is_called = sizeof...(S) > 2 && !std::same_as<T, First>;
+  static constexpr bool calls_others = sizeof...(S) > 2;
 
   /// Type of Closest::primitive if no surface has primitives.
   struct Nothing {
@@ -139,7 +138,7 @@ class TileHits {
       const Group group = take_group(closest.index, remaining);
       Colors colors(Color{0});
       visit(group.number, [&]<class T>(const T& surface, const Material& material) {
-        if constexpr (is_called<T>)
+        if constexpr (calls_others && !std::same_as<T, First>)
           colors = called_shade_on(surface, material, RayPacket(rays), Closest(closest), group, shade_hits);
         else
           colors = shade_on(surface, material, rays, closest, group, shade_hits);
@@ -355,7 +354,7 @@ class TileHits {
     return shade_one_by_one(surface, material, RayPacket(rays), closest, group.lanes, shade_hits);
   }
 
-  /// Returns shade_on for a type whose code is not inlined (is_called).
+  /// Returns shade_on for a type whose code is not inlined (calls_others).
   template <Surface T>
   [[nodiscard, gnu::noinline]] Colors called_shade_on(const T& surface, const Material& material,
                                                       const RayPacket& rays, const Closest& closest,

@@ -106,7 +106,7 @@ class TileRenderer {
     return View(scene_, candidates, skips_, work.state);
   }
 
-  /// Fills visibility buffers of the candidates of types that rasterize, one a sample, while buffers last.
+  /// Fills visibility buffers of the candidates of types that rasterize, one a sample, while they last.
   void rasterize(const Candidates& candidates, const Tile& tile, Work& work) const {
     const View view = view_of(candidates, work);
     const TileHalfSpaces half_spaces(rays_, tile);
@@ -163,7 +163,7 @@ class TileRenderer {
     return false;
   }
 
-  /// Returns true if the option allows samples without rays, and no environment tells rays that miss apart.
+  /// Returns true if the option allows samples without rays, and no environment colors the rays that miss.
   [[nodiscard]] bool may_skip_rays() const { return skips_.empty_tiles && !scene_.scene().environment(); }
 
   /// Returns the light that all samples of a tile have (try_fill_uniform): that of rays that miss, if there

@@ -133,7 +133,7 @@ class TileScene : public HitsAmongFew<S...> {
   /// tested with the surfaces in a cone around them; if there is no such list, each ray is traced alone.
   ///
   /// It is inlined where a surface is shaded, for each type of surface, with the tests of the first type.
-  /// Scenes of more than two types call one copy of the tests of all others (TileHits::is_called).
+  /// Scenes of more than two types call one copy of the tests of all others (TileHits::calls_others).
   [[nodiscard]] LaneMask occluded(const RayPacket& rays, Interval range) const {
     state_.counts.other_rays += static_cast<std::uint64_t>(std::popcount(bits(rays.active)));
     if (!any(rays.active)) return false;
@@ -143,7 +143,7 @@ class TileScene : public HitsAmongFew<S...> {
     const LaneMask found = occluded_by<First>(rays, rays.active, range);
     const LaneMask remaining = rays.active && !found;
     if (scene_.size() == scene_.template surfaces<First>().size() || !any(remaining)) return found;
-    if constexpr (sizeof...(S) > 2)
+    if constexpr (Base::calls_others)
       return found || called_occluded_by_others(RayPacket(rays), remaining, range);
     else
       return found || occluded_by_others(rays, remaining, range);
