@@ -3,11 +3,14 @@
 
 #include <algorithm>
 #include <concepts>
+#include <cstddef>
 #include <functional>
 #include <numbers>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
+#include "image.hpp"
 #include "material.hpp"
 #include "numeric/radians.hpp"
 #include "surfaces/coordinates.hpp"
@@ -45,12 +48,24 @@ class Environment {
     return by_uv_(uv.x, uv.y);
   }
 
-  /// Returns the radiance from the direction that has these u and v.
-  [[nodiscard]] Color at(double u, double v) const {
-    if (by_uv_) return by_uv_(u, v);
-    const auto [around_x, around_z] = sine_and_cosine(2 * std::numbers::pi * (u - 0.5));
-    const auto [side, up] = sine_and_cosine(std::numbers::pi * v);
-    return by_direction_(Vec3{side * around_x, up, side * around_z});
+  /// Returns an image of the radiance in the middle of each cell of a grid over u and v. Sine and cosine of
+  /// an angle are computed once for a column or row.
+  [[nodiscard]] Image image(int columns, int rows) const {
+    const auto middle = [](int cell, int cells) { return (cell + 0.5) / cells; };
+    std::vector<SineCosine> longitudes;
+    for (int x = 0; x < columns; ++x)
+      longitudes.push_back(sine_and_cosine(2 * std::numbers::pi * (middle(x, columns) - 0.5)));
+    Image image(columns, rows);
+    for (int y = 0; y < rows; ++y) {
+      const double v = middle(y, rows);
+      const auto [side, up] = sine_and_cosine(std::numbers::pi * v);
+      for (int x = 0; x < columns; ++x) {
+        const auto& [around_x, around_z] = longitudes[static_cast<std::size_t>(x)];
+        image(x, y) = by_uv_ ? by_uv_(middle(x, columns), v)
+                             : by_direction_(Vec3{side * around_x, up, side * around_z});
+      }
+    }
+    return image;
   }
 
   /// Returns the function of u and v; empty if it is one of the direction.

@@ -85,15 +85,6 @@ class EnvironmentLight {
   }
 
  private:
-  /// Returns a function as an image of the colors in the middle of its cells.
-  static Image image_of(const Environment& environment) {
-    Image image(columns_of_function, rows_of_function);
-    for (int y = 0; y < image.height(); ++y)
-      for (int x = 0; x < image.width(); ++x)
-        image(x, y) = environment.at((x + 0.5) / image.width(), (y + 0.5) / image.height());
-    return image;
-  }
-
   /// Returns the light of a pixel, the sum of its channels; 0 if one of them is negative or not finite.
   static double light_of(const Color& c) { return is_light(c) ? double{c.r} + c.g + c.b : 0; }
 
@@ -156,7 +147,7 @@ EnvironmentLight::EnvironmentLight(const S& scene) {
     if (const auto* shown = environment.by_uv().template target<EnvironmentImage>())
       use(*shown->image, 0);
     else
-      use(image_of(environment), 1 / 7.0);
+      use(environment.image(columns_of_function, rows_of_function), 1 / 7.0);
   }
 }
 
