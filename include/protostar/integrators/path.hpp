@@ -180,6 +180,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Returns the light of a path whose ray hits nothing.
   [[nodiscard]] Color leave(const Path& path, const auto& scene) const {
     const Color sky = clamped(path.weight * background(path.ray, scene));
+    if (!environment.has_places()) return clamped(path.sum + sky);  // no other way has found it
     return clamped(path.sum + times(sky, power_heuristic(path.weighed_density, density_by_lights(path.ray))));
   }
 
@@ -288,13 +289,12 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   }
 
   /// Returns the density with which rays to lights draw the direction of a ray that hits a surface, or
-  /// nothing.
+  /// nothing, for an environment that has_places().
   [[nodiscard]] double density_by_lights(const Ray& ray, const Intersection& hit) const {
     const auto [drawn, probability] = lights.drawn(ray.origin, hit);
     return drawn * probability * (1 - share_of_environment());
   }
   [[nodiscard]] double density_by_lights(const Ray& ray) const {
-    if (!environment.has_places()) return 0;
     return share_of_environment() * environment.density(ray.direction);
   }
 
