@@ -74,7 +74,9 @@ struct Reflector {
   /// the density against which rays to lights are weighed (power_heuristic).
   double glossy_probability = 1;
 
-  Reflector(const Intersection& at, const Color& albedo) : hit(at), vertex(at), is_matte(!is_black(albedo)) {
+  /// Always inlined, as a vertex of a path is made of it.
+  [[gnu::always_inline]] Reflector(const Intersection& at, const Color& albedo)
+      : hit(at), vertex(at), is_matte(!is_black(albedo)) {
     if (const Material& material = at.material(); !is_black(material.glossy)) [[unlikely]]
       glossy.emplace(vertex, material);
   }

@@ -23,7 +23,8 @@ struct Vertex {
   Normals<Vec3> normals;  ///< unit normals, on the side that the ray comes from
   bool enters;            ///< true if that side is the surface's outside, so that a refracted ray enters
 
-  explicit Vertex(const Intersection& hit) : direction(normalize(hit.direction())), normals(hit.normals()) {
+  [[gnu::always_inline]] explicit Vertex(const Intersection& hit)
+      : direction(normalize(hit.direction())), normals(hit.normals()) {
     enters = dot(normals.surface, direction) <= 0;
     if (!enters) normals.turn();
   }

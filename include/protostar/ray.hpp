@@ -138,9 +138,14 @@ struct Ray {
   friend const Ray& masked(bool, const Ray& ray) { return ray; }
 };
 
-/// Returns a copy of a ray, its origin and direction number by number (copied, vec3.hpp).
+/// Returns a copy of a departure or of a ray, made number by number (copied, vec3.hpp).
+[[nodiscard]] inline Departure copied(const Departure& departure) {
+  const auto& [kind, primitive, object, surface, g] = departure;
+  return {kind, primitive, object, surface, {g[0], g[1], g[2], g[3]}};
+}
 [[nodiscard]] inline Ray copied(const Ray& ray) {
-  return {copied(ray.origin), copied(ray.direction), ray.departure, ray.transform, ray.is_reversed, ray.time};
+  return {copied(ray.origin), copied(ray.direction), copied(ray.departure),
+          ray.transform,      ray.is_reversed,       ray.time};
 }
 
 namespace detail {
