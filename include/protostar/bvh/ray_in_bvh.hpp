@@ -40,14 +40,15 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// must be widened to stay conservative for a ray that departs from a sphere, or that is rounded itself;
 /// infinite if boxes cannot be used.
 ///
-/// A ray that departs from a sphere starts on the sphere by definition, whatever its digits say. If these put
-/// its origin outside, they put the other root, 2b/A, outside too: the point there is as far from the center
-/// as the origin is, at the distance D = |l|. With D ≥ r, D − r = (D² − r²)/(D + r) is at most (D² − r²)/2r.
-/// With u = 2^-53, the difference of the squares is off by at most 6u D² + 2u r², and what follows rounds by
-/// 2u of it and a quotient: 2^-49 = 16u covers both.
+/// A ray that leaves a sphere outward does not hit it again, whatever its bounds say. Any other ray that
+/// departs from a sphere starts on the sphere by definition, whatever its digits say. If these put its origin
+/// outside, they put the other root, 2b/A, outside too: the point there is as far from the center as the
+/// origin is, at the distance D = |l|. With D ≥ r, D − r = (D² − r²)/(D + r) is at most (D² − r²)/2r. With u
+/// = 2^-53, the difference of the squares is off by at most 6u D² + 2u r², and what follows rounds by 2u of
+/// it and a quotient: 2^-49 = 16u covers both.
 [[nodiscard, gnu::always_inline]] inline double widening(const Ray& ray, const BoxSpace& space) {
   if (ray.transform != nullptr) return error_of(*ray.transform, space);
-  if (ray.departure.kind != Departure::Kind::sphere) return 0;
+  if (ray.departure.kind != Departure::Kind::sphere || leaves_outward(ray)) return 0;
   const auto& [x, y, z, r] = ray.departure.geometry;
   const Vec3 l = Point{x, y, z} - ray.origin;
   const double ll = dot(l, l), rr = r * r;
