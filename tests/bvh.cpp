@@ -409,6 +409,18 @@ TEST_CASE("boxes are widened by at least the error of a rounded line where it pa
   CHECK(wrong == 0);
 }
 
+TEST_CASE("boxes are widened for a ray that leaves a sphere inward, and not for one that leaves it outward") {
+  const simd::BoxSpace space;  // of objects that are as small as the world's unit
+  for (const double r : {1.0, 0x1p60, 0x1p200}) {
+    const Sphere ground{{0, -r, 0}, r};
+    Ray ray{.origin = {0, 0x1p-60 * r, 0}, .direction = {0.6, 0.8, 0}, .departure = departure_of(ground)};
+    CHECK(simd::widening(ray, space) == 0);  // else each ray from a large ground would visit all leaves
+    ray.direction = {0.6, -0.8, 0};
+    // The origin is 2^-60 r above the sphere, and so is the point at which the ray leaves it below.
+    CHECK(simd::widening(ray, space) >= ray.origin.y);
+  }
+}
+
 TEST_CASE("a ray that float cannot represent is marked as not usable") {
   const Bvh tree = tree_of({{Point{-1}, Point{1}}});
   const auto usable = [&](const Ray& ray) { return BoxRay(ray, tree.space(), 0).usable; };

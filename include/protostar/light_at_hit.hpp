@@ -74,7 +74,7 @@ struct Reflector {
   /// the density against which rays to lights are weighed (power_heuristic).
   double glossy_probability = 1;
 
-  /// Always inlined, as a vertex of a path is made of it.
+  /// Takes a hit, and the surface's color there. Always inlined, as each vertex of a path calls it.
   [[gnu::always_inline]] Reflector(const Intersection& at, const Color& albedo)
       : hit(at), vertex(at), is_matte(!is_black(albedo)) {
     if (const Material& material = at.material(); !is_black(material.glossy)) [[unlikely]]

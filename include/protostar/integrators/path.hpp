@@ -180,7 +180,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Returns the light of a path whose ray hits nothing.
   [[nodiscard]] Color leave(const Path& path, const auto& scene) const {
     const Color sky = clamped(path.weight * background(path.ray, scene));
-    if (!environment.has_places()) return clamped(path.sum + sky);  // no other way has found it
+    if (!environment.has_places()) return clamped(path.sum + sky);  // no ray to a light leads there
     return clamped(path.sum + times(sky, power_heuristic(path.weighed_density, density_by_lights(path.ray))));
   }
 
@@ -288,12 +288,13 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return has_area_lights() ? 0.5 : 1;
   }
 
-  /// Returns the density with which rays to lights draw the direction of a ray that hits a surface, or
-  /// nothing, for an environment that has_places().
+  /// Returns the density with which rays to area lights draw the direction of a ray that hits a surface.
   [[nodiscard]] double density_by_lights(const Ray& ray, const Intersection& hit) const {
     const auto [drawn, probability] = lights.drawn(ray.origin, hit);
     return drawn * probability * (1 - share_of_environment());
   }
+  /// Returns the density with which rays to the environment draw the direction of a ray. Precondition:
+  /// environment.has_places().
   [[nodiscard]] double density_by_lights(const Ray& ray) const {
     return share_of_environment() * environment.density(ray.direction);
   }
