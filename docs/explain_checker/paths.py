@@ -6,7 +6,7 @@ So the radiance is off by 2^-24 for each operation on the way to it, and by the 
 from fractions import Fraction
 
 from .area_lights import AreaLights, NoDirections
-from .chance import Choice, DOUBT, fresnel, SURE_BOUNCES
+from .chance import Choice, DOUBT, fresnel, SURE_SHARE
 from .exact import BLACK, dot, f32, product32, root
 from .light import mirror, mirroring_normal, passage
 from .lobes import CLOSE, floats, heuristic, Reflector
@@ -233,7 +233,7 @@ class Paths:
         return seen.light
 
     def check_path(self, ray, sample, tally):
-        weight, most_weight, bounces, density, is_exact = [Fraction(1)] * 3, 0.0, 0, None, True
+        weight, first_weight, bounces, density, is_exact = [Fraction(1)] * 3, 0.0, 0, None, True
         while True:
             line, _, taken = self.check_ray(ray)
             ray["radiance"].must_be(None)
@@ -270,11 +270,11 @@ class Paths:
             rays.must_end()
             goes_on = any(factor)
             if goes_on:
-                if bounces == SURE_BOUNCES:
-                    most_weight = max(weight)
                 weight = product32(weight, factor)
-                probability = float(max(weight)) / float(most_weight) if bounces >= SURE_BOUNCES else 1.0
-                if bounces >= SURE_BOUNCES and not is_exact and abs(1 - probability) <= ROUGH:
+                if bounces == 0:
+                    first_weight = max(weight)
+                probability = float(max(weight)) / float(SURE_SHARE * first_weight)
+                if bounces > 0 and not is_exact and abs(1 - probability) <= ROUGH:
                     raise NoDirections("a path where chance decides by the last digits")
                 if probability < 1:
                     goes_on = choice.decide(Fraction(probability))

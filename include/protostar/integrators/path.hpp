@@ -55,9 +55,10 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Largest depth. It bounds the time of a sample, and the coordinates of points (most_t).
   static constexpr int most_depth = 1000;
 
-  /// Number of bounces after which Russian roulette ends paths by chance. Those that go on get the weight of
-  /// those that end, so that no light is lost on average.
-  static constexpr int sure_bounces = 3;
+  /// Share of its weight after the first bounce down to which a path goes on for sure. Below it, Russian
+  /// roulette ends paths by chance, and those that go on get the weight of those that end, so that no light
+  /// is lost on average.
+  static constexpr double sure_share = 0.5;
 
   AreaLights lights;
   EnvironmentLight environment;
@@ -88,7 +89,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Path on its way from the eye: the light that it has found, and the ray on which it goes on.
   struct Path {
     Color sum{0}, weight{1};
-    double most_weight = 0;  ///< largest channel of the weight at bounce sure_bounces, for Russian roulette
+    double first_weight = 0;  ///< largest channel of the weight after the first bounce
     int bounces = 0;
     Ray ray;
     double weighed_density = std::numeric_limits<double>::infinity();  ///< of the bounce before its ray
@@ -254,9 +255,11 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     double number = vertex.numbers[2];
     const Bounce onward = vertex.scatter(number);
     if (!onward.goes_on()) return false;
-    if (path.bounces == sure_bounces) path.most_weight = largest(path.weight);
     path.weight = clamped(path.weight * onward.weight);
-    if (path.bounces >= sure_bounces && !survives(path.weight, path.most_weight, number)) return false;
+    if (path.bounces == 0)
+      path.first_weight = largest(path.weight);
+    else if (!survives(path.weight, sure_share * path.first_weight, number))
+      return false;
     path.weighed_density = onward.weighed_density;
     vertex.hit.leave(onward.direction, path.ray);
     ++path.bounces;
@@ -330,10 +333,10 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return light;
   }
 
-  /// Russian roulette: a path goes on with a probability in proportion to its weight, and then weighs as much
-  /// as any may.
-  [[nodiscard]] static bool survives(Color& weight, double most_weight, double& number) {
-    const double probability = largest(weight) / most_weight;
+  /// Russian roulette: a path that weighs less than sure_weight goes on with a probability in proportion to
+  /// its weight, and then weighs as much as that.
+  [[nodiscard]] static bool survives(Color& weight, double sure_weight, double& number) {
+    const double probability = largest(weight) / sure_weight;
     if (probability >= 1) return true;
     if (!decide(number, probability)) return false;
     weight = times(weight, 1 / probability);
