@@ -7,7 +7,6 @@ from .values import U, Wrong
 from .warps import cosine_direction
 
 DOUBT = Fraction(1, 2**40)  # more than the roundings of a probability and of the numbers left by a choice
-SURE_SHARE = Fraction(1, 2)  # of the weight after the first bounce; chance may end paths that weigh less
 
 
 class Choice:

@@ -6,7 +6,7 @@ So the radiance is off by 2^-24 for each operation on the way to it, and by the 
 from fractions import Fraction
 
 from .area_lights import AreaLights, NoDirections
-from .chance import Choice, DOUBT, fresnel, SURE_SHARE
+from .chance import Choice, DOUBT, fresnel
 from .exact import BLACK, dot, f32, product32, root
 from .light import mirror, mirroring_normal, passage
 from .lobes import CLOSE, floats, heuristic, Reflector
@@ -233,6 +233,7 @@ class Paths:
         return seen.light
 
     def check_path(self, ray, sample, tally):
+        sure_share = Fraction(1, 2 if self.has_light() else 4)  # of the first weight; chance may end paths below
         weight, first_weight, bounces, density, is_exact = [Fraction(1)] * 3, 0.0, 0, None, True
         while True:
             line, _, taken = self.check_ray(ray)
@@ -273,7 +274,7 @@ class Paths:
                 weight = product32(weight, factor)
                 if bounces == 0:
                     first_weight = max(weight)
-                probability = float(max(weight)) / float(SURE_SHARE * first_weight)
+                probability = float(max(weight)) / float(sure_share * first_weight)
                 if bounces > 0 and not is_exact and abs(1 - probability) <= ROUGH:
                     raise NoDirections("a path where chance decides by the last digits")
                 if probability < 1:
@@ -293,10 +294,14 @@ class Paths:
             ray, bounces = following, bounces + 1
             tally.error += 8 * 2.0**-24 + at.error
 
+    def has_light(self):
+        """Returns true if the scene has lights, or ambient light."""
+        return self.area_lights.by_power.whole or ("lights" in self.file and len(self.file["lights"])) or \
+            any(self.ambient)
+
     def reflected_light(self, at, line, numbers, rays):
         """Returns the light that a hit reflects of the lights, by rays to them."""
-        if not (self.area_lights.by_power.whole or ("lights" in self.file and len(self.file["lights"]))
-                or any(self.ambient)):
+        if not self.has_light():
             return [0.0] * 3
         matte, glossy = self.lights_at(at, line, rays, numbers[2])
         matte = [x * OVER_PI for x in matte]

@@ -265,7 +265,7 @@ TEST_CASE("Russian roulette keeps each path at a share of the weight that it has
                                       })
                             .r;
     double expected = 0, weight = 1;
-    for (int k = 0; k < vertices; ++k, weight = std::max(weight, PathIntegrator::sure_share) * albedo)
+    for (int k = 0; k < vertices; ++k, weight = std::max(weight, path.sure_share(scene)) * albedo)
       expected += weight;
     CHECK(std::abs(light - expected) <= 1e-6 * expected);  // a rounding of float for each vertex
     longest = std::max(longest, vertices);
@@ -292,11 +292,10 @@ TEST_CASE("mirrors of paths are those of WhittedIntegrator, with normal maps too
   const NormalMap tilted([](double u, double v) { return Vec3{std::sin(20 * u), std::cos(30 * v), 1.5}; });
   scene.add(Sphere{{0, 0, 3}, 1}, Material{.normal_map = tilted, .reflect = 0.5, .emission = Color{0.25f}});
   scene.add(Sphere{{1.5, 0.5, 2}, 0.7}, Material{.reflect = 1, .emission = Color{0, 0.5f, 0}});
-  scene.add(Plane{{0, 1, 0}, -1},
-            Material{.reflect = PathIntegrator::sure_share, .emission = Color{1, 2, 3}});
+  scene.add(Plane{{0, 1, 0}, -1}, Material{.reflect = 0.5, .emission = Color{1, 2, 3}});
   scene.set_sky(Color{0.125f});
   PathIntegrator path(scene);
-  path.depth = 2;  // the second bounce is sure, as each reflects at least sure_share
+  path.depth = 2;  // the second bounce is sure, as it reflects at least half
   const WhittedIntegrator whitted{.depth = path.depth};
   Random random(9);
   WrongCases wrong(random);

@@ -55,11 +55,6 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Largest depth. It bounds the time of a sample, and the coordinates of points (most_t).
   static constexpr int most_depth = 1000;
 
-  /// Share of its weight after the first bounce down to which a path goes on for sure. Below it, Russian
-  /// roulette ends paths by chance, and those that go on get the weight of those that end, so that no light
-  /// is lost on average.
-  static constexpr double sure_share = 0.5;
-
   AreaLights lights;
   EnvironmentLight environment;
 
@@ -119,6 +114,12 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     }
     return path.sum;
   }
+
+  /// Returns the share of its weight after the first bounce down to which a path goes on for sure. Below it,
+  /// Russian roulette ends paths by chance, and those that go on get the weight of those that end, so that no
+  /// light is lost on average. It is less where no rays to lights are cast: these find a part of the light
+  /// at each vertex, and other paths find most of it at their ends.
+  [[nodiscard]] double sure_share(const auto& scene) const { return has_light(scene) ? 0.5 : 0.25; }
 
   /// Throws std::logic_error if the scene is not the one of the lights, or has another environment.
   void require(const auto& scene) const {
@@ -258,7 +259,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     path.weight = clamped(path.weight * onward.weight);
     if (path.bounces == 0)
       path.first_weight = largest(path.weight);
-    else if (!survives(path.weight, sure_share * path.first_weight, number))
+    else if (!survives(path.weight, sure_share(scene) * path.first_weight, number))
       return false;
     path.weighed_density = onward.weighed_density;
     vertex.hit.leave(onward.direction, path.ray);
