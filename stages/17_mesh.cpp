@@ -10,11 +10,10 @@
 using namespace protostar;
 
 int main(int argc, char** argv) {
-  return run_stage(argc, argv, {.integrator = "shadow"}, [](Stage& stage) {
+  const char* const file = PROTOSTAR_SCENES "/knot.obj";
+  return run_stage(argc, argv, {.integrator = "shadow", .files = {file}}, [file](Stage& stage) {
     const Camera camera;
-    const Mesh knot = load_mesh(PROTOSTAR_SCENES "/knot.obj", [](const Point& p) {
-      return 0.5 * p + Point{0, 0.25, 2.75};
-    });
+    const Mesh knot = load_mesh(file, [](const Point& p) { return 0.5 * p + Point{0, 0.25, 2.75}; });
 
     Scene<Mesh, Plane> scene;
     scene.add(knot, Color{0.9f, 0.5f, 0.1f});

@@ -268,3 +268,16 @@ TEST_CASE("a closed stdout is refused as an output file") {
   CHECK_THAT(outcome.err, ContainsSubstring("-o: '/dev/stdout' is not "));
   CHECK(fs::is_symlink("/dev/stdout"));
 }
+
+TEST_CASE("17_mesh writes no output over the mesh that it reads") {
+  const TemporaryFolder folder;
+  const fs::path mesh = fs::path(PROTOSTAR_SOURCE_DIR) / "scenes/knot.obj";
+  const std::string before = bytes_of(mesh);
+  fs::create_symlink(mesh, folder / "link.obj");
+  const Outcome outcome = run_stage("17_mesh", "--pixel 1,1 --rays link.obj", folder);
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.err,
+             ContainsSubstring("--rays: 'link.obj' is not another file than those of the scene"));
+  CHECK(bytes_of(mesh) == before);
+  CHECK(run_stage("17_mesh", "--pixel 1,1 --rays rays.obj --quiet", folder).status == 0);
+}
