@@ -117,8 +117,8 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
 
   /// Returns the share of its weight after the first bounce down to which a path goes on for sure. Below it,
   /// Russian roulette ends paths by chance, and those that go on get the weight of those that end, so that no
-  /// light is lost on average. It is less where no rays to lights are cast: these find a part of the light
-  /// at each vertex, and other paths find most of it at their ends.
+  /// light is lost on average. It is less without lights that vertices find (has_light): a path then
+  /// brings most of its light at its end.
   [[nodiscard]] double sure_share(const auto& scene) const { return has_light(scene) ? 0.5 : 0.25; }
 
   /// Throws std::logic_error if the scene is not the one of the lights, or has another environment.
