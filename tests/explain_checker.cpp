@@ -163,6 +163,9 @@ TEST_CASE(
        {", up to which the filter has ", "/weight is "}}};
 #if __has_include(<nlohmann/json.hpp>)
   rows.push_back({"render", scene_path("environment") + " --pixel 5,5", {"\"color\": ["}});
+  rows.push_back({"render",
+                  scene_path("environment") + " --integrator path --samples 4 --pixel 300,200",
+                  {"\"color\": ["}});
   rows.push_back({"render", scene_path("torus") + " --pixel 330,260", {"\"radius\": ", "\"tube\": "}});
   // Under total reflection, the share that is refracted has no effect: only other hits of that glass tell it.
   rows.push_back({"render",

@@ -49,8 +49,8 @@ class Paths:
             if not hasattr(self, "area_lights"):
                 self.area_lights = AreaLights(self.file["area_lights"], self.surfaces)
                 self.most_rays = self.file["most_rays"].index(2**31)
-                if self.file["environment_has_places"].truth():
-                    raise NoDirections("directions to an environment")
+            if self.file["environment_has_places"].truth():
+                raise NoDirections("directions to an environment")
             (self.check_path if self.integrator == "path" else self.check_direct)(root_ray, sample, tally)
         except NoDirections as what:
             self.given.add(f"{what}; and the light of the sample")
