@@ -102,13 +102,15 @@ TEST_CASE("sines and polar angles of several numbers at once have the bits of th
     const std::size_t count = 1 + static_cast<std::size_t>(i) % 8;
     FewNumbers angles{}, y{}, x{};
     for (std::size_t k = 0; k < count; ++k) {
-      angles[k] = random.real(0, 0.75 * std::numbers::pi);
+      angles[k] = random.real(0, std::numbers::pi);
       y[k] = std::abs(number());
       x[k] = i % 3 == 0 ? y[k] * random.real(-1.01, 1.01) : number();
     }
-    const FewNumbers sines = sines_of_each(angles, count), polar = polar_angles_of_each(y, x, count);
+    const auto [sines, cosines] = sines_and_cosines_of_each(angles, count);
+    const FewNumbers polar = polar_angles_of_each(y, x, count);
     for (std::size_t k = 0; k < count; ++k) {
-      wrong.add(sines[k] != sine_and_cosine(angles[k]).sine, "sine", angles[k]);
+      const auto [sine, cosine] = sine_and_cosine(angles[k]);
+      wrong.add(sines[k] != sine || cosines[k] != cosine, "sine and cosine", angles[k]);
       wrong.add(polar[k] != polar_angle(y[k], x[k]), "angle", y[k], x[k]);
     }
   }

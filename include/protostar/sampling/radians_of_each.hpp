@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "../numeric/double_double.hpp"
 #include "../numeric/radians.hpp"
@@ -51,13 +52,6 @@ struct SinesCosines {
           select(is_half || remaining == Doubles(1.0), -second, second)};
 }
 
-/// Returns the sine in each lane of angles from 0 to less than 3π/4, with the bits of sine_and_cosine: at
-/// 3π/4 the number of quarter turns, 1 below, becomes 2, and the sign would change.
-[[nodiscard]] inline simd::Doubles sine_of_each(simd::Doubles angle) {
-  const auto [quarters, sine, cosine] = detail::ReducedAngle(angle);
-  return select(quarters == simd::Doubles(1.0), cosine, sine);
-}
-
 /// Returns the angle in each lane of y ≥ 0 and x, with the bits of polar_angle.
 [[nodiscard]] inline simd::Doubles polar_angle_of_each(simd::Doubles y, simd::Doubles x) {
   using simd::Doubles, detail::pi;
@@ -76,17 +70,24 @@ struct SinesCosines {
   return select(is_number, angle, select(high == Doubles(0.0), low, ratio));
 }
 
-/// Returns sine_of_each of the first `count` angles.
-[[nodiscard]] inline FewNumbers sines_of_each(const FewNumbers& angles, std::size_t count) {
-  FewNumbers sines{};
-  for (std::size_t i = 0; i < count; i += simd::double_lanes)
-    sine_of_each(simd::Doubles::load(&angles[i])).store(&sines[i]);
-  return sines;
+/// Returns the sines and the cosines of the first `count` angles (sine_and_cosine_of_each).
+[[nodiscard]] inline std::pair<FewNumbers, FewNumbers> sines_and_cosines_of_each(const FewNumbers& angles,
+                                                                                 std::size_t count) {
+  FewNumbers sines{}, cosines{};
+  for (std::size_t i = 0; i < count; i += simd::double_lanes) {
+    const auto [sine, cosine] = sine_and_cosine_of_each(simd::Doubles::load(&angles[i]));
+    sine.store(&sines[i]), cosine.store(&cosines[i]);
+  }
+  return {sines, cosines};
 }
-[[nodiscard]] inline Few<simd::Doubles> sines_of_each(const Few<simd::Doubles>& angles, std::size_t count) {
-  Few<simd::Doubles> sines;
-  for (std::size_t i = 0; i < count; ++i) sines[i] = sine_of_each(angles[i]);
-  return sines;
+[[nodiscard]] inline std::pair<Few<simd::Doubles>, Few<simd::Doubles>> sines_and_cosines_of_each(
+    const Few<simd::Doubles>& angles, std::size_t count) {
+  Few<simd::Doubles> sines, cosines;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto [sine, cosine] = sine_and_cosine_of_each(angles[i]);
+    sines[i] = sine, cosines[i] = cosine;
+  }
+  return {sines, cosines};
 }
 
 /// Returns polar_angle_of_each of the first `count` pairs.

@@ -13,14 +13,15 @@
 // r1² − y0² y1²)/(r0 r1 − y0 y1) = q (q + y0² + y1²)/(r0 r1 − y0 y1) for q = x² + h². The part between x and
 // x' is
 //   2 arctan(h l (D' − D)/(D D' + h² l²)),
-// with a difference D' − D that is a sum of products of x' − x.
+// with a difference D' − D that is a sum of products of x' − x. Two such parts together have the angle of the
+// product of two complex numbers.
 //
-// Let p be the solid angle of the strip left of x, and q = 2Δ − p that right of it. Then g = (p − q)/2 is the
-// solid angle between 0 and x, and
-//   x = h sin g/(2 √(sin(p/2) sin(q/2) sin(κ1 + p/2) sin(κ1 + q/2))),   κ1 = arctan(h/y1),
+// Let p be half of the solid angle of the strip left of x, and q = Δ − p half of that right of it. Then
+//   x = h ρ1 sin(p − q)/(2 √(sin p sin q (h cos p + y1 sin p) (h cos q + y1 sin q))),   ρ = √(h² + y²),
 // which is Ureña's formula for x with its differences of cosines written as products. p and q are sums: the
-// part outside the rectangle and the share of Ω. Angles above a right one are replaced by π minus them, with
-// κ0 = arctan(h/−y0) and κ0 + Δ + κ1 = π again a sum: π − (κ1 + p/2) = κ0 + q/2.
+// part outside the rectangle and the share of Ω. If one of them is obtuse, say q, its sine and its sum would
+// lose digits, and are taken from p, by the sine h l/ρ0ρ1 and the cosine (h² + y0 y1)/ρ0ρ1 of Δ:
+//   ρ0 ρ1 sin q = h l cos p − (h² + y0 y1) sin p,   ρ0 (h cos q + y1 sin q) = ρ1 (h cos p − y0 sin p).
 #pragma once
 
 #include <algorithm>
@@ -104,21 +105,19 @@ class RectangleSeen {
     // Where x0 ≥ 0, the rectangle is right of it and left of it are the half of the strip and the part from 0
     // on. Elsewhere it has a part on each side of 0, and left of it is less than the half.
     const auto is_right = x0_ >= T(0.0);
-    const Pair pairs[] = {
-        {h_, -y0_},
-        {h_, y1_},
-        {hl, at_x1.D},
-        part_between(at_0, at_x0, abs(x0_), hl),
-        part_between(HalfStrip::either(is_right, at_x0, at_0), at_x1, select(is_right, width.hi, x1_), hl),
-        {hl, select(is_right, h_ * h_ + y0_ * y1_, at_x0.D)}};
-    Few<T> y{}, x{};
-    for (std::size_t i = 0; i < 6; ++i) y[i] = pairs[i].y, x[i] = pairs[i].x;
-    const Few<T> angles = polar_angles_of_each(y, x, 6);
-    kappa0_ = angles[0], kappa1_ = angles[1];
-    right_ = 2.0 * angles[2];
-    const T near_part = 2.0 * angles[3], far_part = 2.0 * angles[4], rest = angles[5];
-    left_ = select(is_right, rest + near_part, 2.0 * rest);
-    const T solid_angle = select(is_right, far_part, near_part + far_part);
+    const auto if_right = [&](const HalfStrip& a, const HalfStrip& b) {
+      return HalfStrip::either(is_right, a, b);
+    };
+    const Pair near_part = part_between(at_0, at_x0, abs(x0_), hl),
+               far_part = part_between(if_right(at_x0, at_0), at_x1, select(is_right, width.hi, x1_), hl),
+               beyond = Pair{hl, if_right(at_0, at_x0).D}, nothing{T(0.0), T(1.0)};
+    const Pair beside = beyond * Pair::either(is_right, near_part, nothing),
+               inside = far_part * Pair::either(is_right, nothing, near_part);
+    const Few<T> angles =
+        polar_angles_of_each(Few<T>{beside.y, inside.y, hl}, Few<T>{beside.x, inside.x, at_x1.D}, 3);
+    left_ = angles[0], middle_ = angles[1], right_ = angles[2];
+    rho0_ = at_0.r0, rho1_ = at_0.r1, hl_ = hl;
+    const T solid_angle = 2.0 * middle_;
     solid_angle_ = select(h_ > T(0.0) && solid_angle >= T(least_angle), solid_angle, T(0.0));
   }
 
@@ -134,37 +133,37 @@ class RectangleSeen {
   /// Draws a direction. Precondition: the solid angle is not 0.
   [[nodiscard]] Drawn sample(T u, T v) const {
     using std::abs, std::copysign, std::max, std::min, std::sqrt;
-    const T p = (left_ + u * solid_angle_) / 2.0,
-            q = (right_ + (1.0 - u) * solid_angle_) / 2.0;  // halves
-    // Each angle or its supplement. π − |g| for g = p − q is κ0 + κ1 + 2 min(p, q).
-    const Few<T> sines = sines_of_each(
-        Few<T>{min(abs(p - q), kappa0_ + kappa1_ + 2.0 * min(p, q)), min(p, kappa0_ + kappa1_ + q),
-               min(q, kappa0_ + kappa1_ + p), min(kappa1_ + p, kappa0_ + q), min(kappa1_ + q, kappa0_ + p)},
-        5);
-    const T product = sines[1] * sines[2] * sines[3] * sines[4];
-    const T x = min(max(copysign(h_ * sines[0] / (2.0 * sqrt(product)), p - q), x0_), x1_);
+    const T p = left_ + u * middle_, q = right_ + (1.0 - u) * middle_;
+    const auto [sines, cosines] = sines_and_cosines_of_each(Few<T>{min(p, q), max(p, q)}, 2);
+    const T sine = sines[0], cosine = cosines[0];  // of the smaller angle
+    const auto is_obtuse = cosines[1] < T(0.0);
+    const T other_sine = select(is_obtuse, hl_ * cosine - (h_ * h_ + y0_ * y1_) * sine, sines[1]),
+            other_sum = select(is_obtuse, h_ * cosine - y0_ * sine, h_ * cosines[1] + y1_ * sines[1]),
+            product = sine * other_sine * (h_ * cosine + y1_ * sine) * other_sum;
+    const T difference = other_sine * cosine - select(is_obtuse, rho0_ * rho1_, T(1.0)) * cosines[1] * sine,
+            size = h_ * select(is_obtuse, T(1.0), rho1_) * difference / (2.0 * sqrt(product));
+    const T x = min(max(copysign(size, p - q), x0_), x1_);
 
-    // y = ρ w/√(1 − w²) for a w between w0 and w1; 1 − w and 1 + w are sums of those of the ends.
-    const T rho = sqrt(x * x + h_ * h_);
-    const auto below_1 = [rho](const T& end) {  // 1 − y/r
-      const T r = sqrt(end * end + rho * rho);
-      const auto cancels = end > T(0.0);
-      return select(cancels, rho * rho, r - end) / select(cancels, r * (r + end), r);
-    };
-    const T minus = (1.0 - v) * below_1(y0_) + v * below_1(y1_);
-    const T plus = (1.0 - v) * below_1(-y0_) + v * below_1(-y1_);
+    // y = ρ w/√(1 − w²) for a w between w0 and w1; 1 − w and 1 + w are sums of those of the ends, here both
+    // times the `whole` of both ends.
+    const T rho_2 = x * x + h_ * h_, rho = sqrt(rho_2);
+    const End end_0(y0_, rho_2), end_1(y1_, rho_2);
+    const T share_0 = (1.0 - v) * end_1.whole, share_1 = v * end_0.whole;
+    const T minus = share_0 * end_0.minus + share_1 * end_1.minus,
+            plus = share_0 * end_0.plus + share_1 * end_1.plus;
     const T y = min(max(rho * (plus - minus) / (2.0 * sqrt(plus * minus)), y0_), y1_);
 
-    const T farthest = sqrt(x1_ * x1_ + y1_ * y1_ + h_ * h_);
-    const T distance = min(sqrt(y * y + rho * rho), farthest);
-    return {(x / distance) * x_ + (y / distance) * y_ + (h_ / distance) * z_, distance};
+    const T farthest = x1_ * x1_ + y1_ * y1_ + h_ * h_;
+    const T distance = sqrt(min(y * y + rho_2, farthest)), inverse = 1.0 / distance;
+    return {(x * inverse) * x_ + (y * inverse) * y_ + (h_ * inverse) * z_, distance};
   }
 
  private:
   /// Smallest height, in units of about the largest length, and smallest solid angle. With them no number
-  /// underflows: p and q are at least 2^-305 for u from 2^-54 to 1 - 2^-54, κ0 and κ1 at least 2^-151, and
-  /// the product of the four sines is above 2^-920.
-  static constexpr double least_height = 0x1p-150, least_angle = 0x1p-250;
+  /// that counts underflows: one of x1, y1 and h is at least 1/4, so that a pair of part_between is at least
+  /// 2^-598, the product of two 2^-806, and its y 2^-1006. p and q are at least 2^-255 for u from 2^-54 to 1
+  /// − 2^-54, and 2^-197 where Δ is obtuse, so that the product below the root is at least 2^-1000.
+  static constexpr double least_height = 0x1p-100, least_angle = 0x1p-200;
 
   /// The part of the strip y0 ≤ y ≤ y1, z = h > 0 to the right of x ≥ 0.
   struct HalfStrip {
@@ -188,23 +187,46 @@ class RectangleSeen {
     }
   };
 
+  /// 1 − w and 1 + w for the end w = y/r of a line at the distance ρ, each times `whole`.
+  struct End {
+    T whole, minus, plus;
+
+    End(const T& y, const T& rho_2) {
+      using std::abs, std::sqrt;
+      const T r = sqrt(y * y + rho_2), sum = r + abs(y);
+      const auto is_positive = y > T(0.0);
+      whole = r * sum;
+      minus = select(is_positive, rho_2, sum * sum), plus = select(is_positive, sum * sum, rho_2);
+    }
+  };
+
   /// Numbers of which polar_angle(y, x) is half of a solid angle, or an angle.
   struct Pair {
     T y, x;
+
+    /// Returns the pair of the sum of both angles.
+    friend Pair operator*(const Pair& a, const Pair& b) {
+      return {a.x * b.y + a.y * b.x, a.x * b.x - a.y * b.y};
+    }
+
+    /// Returns a where the condition holds, and b elsewhere.
+    static Pair either(const auto& condition, const Pair& a, const Pair& b) {
+      return {select(condition, a.y, b.y), select(condition, a.x, b.x)};
+    }
   };
 
   /// Returns the pair of the part of the strip between a.x and b.x ≥ a.x, where width = b.x − a.x.
   [[nodiscard]] static Pair part_between(const HalfStrip& a, const HalfStrip& b, const T& width,
                                          const T& hl) {
-    const T sum = a.x + b.x;
-    const T dr0 = width * sum / (a.r0 + b.r0), dr1 = width * sum / (a.r1 + b.r1);
-    const T difference = b.r0 * dr1 + a.r1 * dr0 + width * (b.r0 + b.r1) + a.x * (dr0 + dr1) + width * sum;
-    return {hl * difference, a.D * b.D + hl * hl};
+    const T sum = a.x + b.x, s0 = a.r0 + b.r0, s1 = a.r1 + b.r1, product = s0 * s1;
+    const T difference =
+        width * (sum * (b.r0 * s0 + a.r1 * s1 + a.x * (s0 + s1)) + product * (b.r0 + b.r1 + sum));
+    return {hl * difference, (a.D * b.D + hl * hl) * product};
   }
 
   Vector x_, y_, z_;  // unit axes
   T x0_, x1_, y0_, y1_, h_;
-  T kappa0_, kappa1_, left_, right_, solid_angle_;
+  T left_, middle_, right_, solid_angle_, rho0_, rho1_, hl_;
 };
 
 }  // namespace detail
@@ -213,8 +235,8 @@ class RectangleSeen {
 /// that by their rounding; the corner opposite the position is then that of the rectangle. The solid angle
 /// has a relative error below 20u, and directions are off by at most 20u, if the distances from the lines
 /// through the edges, and from the plane, are above 2^-45 of those from the corners. Heights over the plane
-/// below 2^-150 of the largest of the sizes and distances count as that much, and a point from which the
-/// solid angle is then below 2^-250 counts as in the plane.
+/// below 2^-100 of the largest of the sizes and distances count as that much, and a point from which the
+/// solid angle is then below 2^-200 counts as in the plane.
 class RectangleView {
  public:
   RectangleView(const Point& from, const Point& position, const Vec3& edge_u, const Vec3& edge_v)
