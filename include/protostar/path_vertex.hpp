@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 #include <optional>
 
 #include "area_lights.hpp"
@@ -63,8 +64,8 @@ struct ChosenLight {
   double rest = 0;  ///< number in [0, 1) for a direction to the light
 };
 
-/// Vertex of a path, at a hit whose material scatters light, and the ray from there to an area light. Borrows
-/// the hit. The integrator sets `chosen`, and then calls aim().
+/// Vertex of a path, at a hit whose material scatters light, and its light from an area light. Borrows the
+/// hit. The integrator sets `chosen`, and then calls aim().
 struct PathVertex {
   const Intersection& hit;
   VertexNumbers numbers;
@@ -72,9 +73,9 @@ struct PathVertex {
   Reflector at;
   LobeShares shares;
   ChosenLight chosen;
-  LightShare share;             ///< of the light from the chosen area light
-  std::size_t primitive = 0;    ///< primitive of that light, to which the ray leads
-  std::optional<Ray> to_light;  ///< ray to that light; none if its share does not count
+  std::optional<LightSample> drawn;  ///< direction to the chosen area light, if one is drawn already
+  LightShare share;                  ///< of the light from there
+  std::size_t primitive = 0;         ///< primitive of that light, to which the ray leads
 
   /// Takes the hit, and the numbers that draw() returns.
   PathVertex(const Intersection& met, const auto& draw)
@@ -82,16 +83,19 @@ struct PathVertex {
     if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
   }
 
-  /// Points the ray to the chosen light, if that is an area light: in the direction `drawn`, or else in one
-  /// drawn by the rest of the third number and the fourth.
-  void aim(const std::optional<LightSample>& drawn = {}) {
+  /// Makes the ray to the chosen light at a place that is not initialized: in the direction that is drawn, or
+  /// else in one drawn by the rest of the third number and the fourth. Returns false, and makes none, if that
+  /// is no area light, or if its light would not count.
+  [[nodiscard]] bool aim(Ray* place) {
     const AreaLight* const area = chosen.area;
-    if (area == nullptr) return;
+    if (area == nullptr) return false;
     const auto [sample, triangle] =
         drawn ? MeshSample{*drawn} : area->sample(hit.point(), chosen.rest, numbers[3], hit.time());
     share = at.share_of_ray(sample.direction, sample.density, 1 / chosen.probability);
     primitive = triangle;
-    if (share.counts()) hit.leave(sample.direction, to_light.emplace());
+    if (!share.counts()) return false;
+    new (place) Ray(hit.leave(copied(sample.direction)));
+    return true;
   }
 
   /// Returns the radiance that the ray to the chosen area light finds where it hits: that of the light, or

@@ -71,29 +71,25 @@ class PathWave {
     };
     if (count_ > 0) integrator.require(scene);
     for (std::uint32_t set = 1; count_ > 0; ++set) {
+      std::array<Drawn, most_starting_packets> drawn;
+      for (std::size_t first = 0; first < count_; first += lanes)
+        drawn[first / lanes] = draw(grid, i, set, first, std::min(lanes, count_ - first));
+      const auto path = [&](std::size_t k) -> auto& { return paths_[on_the_way_[k]]; };
+      const auto hit = [&](std::size_t k) -> const Intersection& { return *hits_[on_the_way_[k]]; };
+      const auto numbers = [&](std::size_t k) { return drawn[k / lanes][k % lanes]; };
+      std::array<bool, most> goes_on;
+      if constexpr (MeetsTogether<I>)
+        integrator.meet_each(count_, path, hit, numbers, scene, goes_on);
+      else
+        for (std::size_t k = 0; k < count_; ++k)
+          goes_on[k] = integrator.meet(path(k), hit(k), scene, [&] { return numbers(k); });
+
       std::size_t on_the_way = 0;
-      for (std::size_t first = 0; first < count_; first += lanes) {
-        const std::size_t some = std::min(lanes, count_ - first);
-        const Drawn drawn = draw(grid, i, set, first, some);
-        const auto path = [&](std::size_t lane) -> auto& { return paths_[on_the_way_[first + lane]]; };
-        const auto hit = [&](std::size_t lane) -> const Intersection& {
-          return *hits_[on_the_way_[first + lane]];
-        };
-        std::array<bool, lanes> goes_on;
-        if constexpr (MeetsTogether<I>)
-          integrator.meet_each(
-              some, path, hit, [&](std::size_t lane) { return drawn[lane]; }, scene, goes_on);
+      for (std::size_t k = 0; k < count_; ++k)
+        if (goes_on[k])
+          on_the_way_[on_the_way++] = on_the_way_[k];
         else
-          for (std::size_t lane = 0; lane < some; ++lane)
-            goes_on[lane] = integrator.meet(path(lane), hit(lane), scene, [&] { return drawn[lane]; });
-        for (std::size_t lane = 0; lane < some; ++lane) {
-          const std::size_t k = on_the_way_[first + lane];
-          if (goes_on[lane])
-            on_the_way_[on_the_way++] = k;
-          else
-            finish(k, paths_[k].sum);
-        }
-      }
+          finish(on_the_way_[k], path(k).sum);
       count_ = on_the_way;
       on_the_way = 0;
       for (std::size_t first = 0; first < count_; first += lanes) {

@@ -134,49 +134,23 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     if (!arrive(path, hit)) return false;
     PathVertex vertex(hit, draw);
     vertex.chosen = choose_light(vertex);
-    vertex.aim();
     Color radiance{0};
-    if (vertex.to_light)
+    if (Uninitialized<Ray, 1> to_light; vertex.aim(&to_light[0]))
       radiance = follow(
-          *vertex.to_light, scene, [] { return Color{0}; },
+          to_light[0], scene, [] { return Color{0}; },
           [&](const Intersection& seen) { return vertex.shown_by(seen); });
     return go_on(path, vertex, scene, radiance);
   }
 
-  /// Lets `count` paths, at most as many as there are lanes, meet their hits: path(k) as by meet(path(k),
-  /// hit(k), scene, draw), whose result becomes goes_on[k], with numbers(k) as the result of draw().
-  /// Directions to a rectangle are drawn together, and the rays to area lights are traced together.
+  /// Lets `count` paths meet their hits: path(k) as by meet(path(k), hit(k), scene, draw), whose result
+  /// becomes goes_on[k], with numbers(k) as the result of draw(). Directions to a rectangle are drawn
+  /// together, and rays to area lights are traced together, as many as there are lanes.
   void meet_each(std::size_t count, const auto& path, const auto& hit, const auto& numbers, const auto& scene,
                  std::span<bool> goes_on) const {
-    constexpr auto lanes = static_cast<std::size_t>(simd::double_lanes);
-    Uninitialized<PathVertex, lanes> room;
-    std::array<PathVertex*, lanes> vertices{};  // null: the path ends
-    for (std::size_t k = 0; k < count; ++k)
-      if (arrive(path(k), hit(k))) {
-        vertices[k] = new (&room[k]) PathVertex(hit(k), [&] { return numbers(k); });
-        vertices[k]->chosen = choose_light(*vertices[k]);
-      }
-    std::array<std::optional<LightSample>, lanes> drawn;
-    if (lights.has_rectangles()) draw_to_rectangles(vertices, drawn);
-
-    std::array<std::size_t, lanes> which;  // vertices with a ray to a light
-    std::size_t some = 0;
-    for (std::size_t k = 0; k < count; ++k)
-      if (vertices[k] != nullptr) {
-        vertices[k]->aim(drawn[k]);
-        if (vertices[k]->to_light) which[some++] = k;
-      }
-    Uninitialized<SurfaceCrossing, lanes> seen;
-    scene.intersect_each(
-        some, [&](std::size_t i) -> const Ray& { return *vertices[which[i]]->to_light; },
-        [&](std::size_t i) { return &seen[which[i]]; });
-    for (std::size_t k = 0; k < count; ++k) {
-      goes_on[k] = vertices[k] != nullptr;
-      if (!goes_on[k]) continue;
-      const PathVertex& vertex = *vertices[k];
-      const Color radiance = vertex.to_light ? vertex.shown_by(seen[k]) : Color{0};
-      goes_on[k] = go_on(path(k), vertex, scene, radiance);
-    }
+    // Not all vertices cast a ray: those of many paths fill the lanes. Without lights they need not wait.
+    const std::size_t some = has_area_lights() ? most_vertices : lanes;
+    for (std::size_t first = 0; first < count; first += some)
+      meet_some(first, std::min(some, count - first), path, hit, numbers, scene, goes_on);
   }
 
   /// Returns the light of a path whose ray hits nothing.
@@ -189,6 +163,42 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
  private:
   using ChosenLight = detail::ChosenLight;
   using PathVertex = detail::PathVertex;
+
+  /// Lanes, and the largest number of vertices that wait for each other.
+  static constexpr std::size_t lanes = simd::double_lanes, most_vertices = 8 * lanes;
+
+  /// Does what meet_each does for some paths, from `first` on, at most most_vertices.
+  void meet_some(std::size_t first, std::size_t count, const auto& path, const auto& hit, const auto& numbers,
+                 const auto& scene, std::span<bool> goes_on) const {
+    Uninitialized<PathVertex, most_vertices> vertices;
+    std::array<std::size_t, most_vertices> path_of;  // paths that have the vertices
+    std::size_t met = 0;
+    for (std::size_t k = first; k < first + count; ++k) {
+      goes_on[k] = arrive(path(k), hit(k));
+      if (!goes_on[k]) continue;
+      PathVertex& vertex = *new (&vertices[met]) PathVertex(hit(k), [&] { return numbers(k); });
+      vertex.chosen = choose_light(vertex);
+      path_of[met++] = k;
+    }
+    if (lights.has_rectangles()) draw_to_rectangles(vertices, met);
+
+    Uninitialized<Ray, most_vertices> rays;
+    std::array<std::size_t, most_vertices + 1> vertex_of;  // vertices that cast the rays
+    std::size_t cast = 0;
+    for (std::size_t k = 0; k < met; ++k)
+      if (vertices[k].aim(&rays[cast])) vertex_of[cast++] = k;
+    Uninitialized<SurfaceCrossing, most_vertices> seen;
+    for (std::size_t k = 0; k < cast; k += lanes)
+      scene.intersect_each(
+          std::min(lanes, cast - k), [&](std::size_t i) -> const Ray& { return rays[k + i]; },
+          [&](std::size_t i) { return &seen[k + i]; });
+
+    vertex_of[cast] = met;  // no vertex: the last of its list
+    for (std::size_t k = 0, ray = 0; k < met; ++k) {
+      const Color radiance = k == vertex_of[ray] ? vertices[k].shown_by(seen[ray++]) : Color{0};
+      goes_on[path_of[k]] = go_on(path(path_of[k]), vertices[k], scene, radiance);
+    }
+  }
 
   /// Adds the emission of a hit to path.sum. Returns true if the path has a vertex there: the material
   /// scatters light, and the path may have another bounce.
@@ -215,29 +225,26 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     return {&lights.lights()[index], probability * share, rest};
   }
 
-  /// Draws directions to rectangles for some vertices at once: to each rectangle that two or more have
-  /// chosen. drawn[k] gets the direction of the k-th, if one is drawn.
-  template <std::size_t most>
-  static void draw_to_rectangles(const std::array<PathVertex*, most>& vertices,
-                                 std::array<std::optional<LightSample>, most>& drawn) {
-    const auto chosen_by = [&](std::size_t k) { return vertices[k] ? vertices[k]->chosen.area : nullptr; };
-    for (std::size_t first = 0; first < most; ++first) {
-      const AreaLight* const light = chosen_by(first);
-      if (light == nullptr || drawn[first] || light->rectangle() == nullptr) continue;
-      std::array<std::size_t, most> which;
-      std::array<Point, most> from;
-      std::array<LightSample, most> samples;
+  /// Draws directions to rectangles for `count` vertices, as many at once as there are lanes: to each
+  /// rectangle that two or more have chosen.
+  static void draw_to_rectangles(Uninitialized<PathVertex, most_vertices>& vertices, std::size_t count) {
+    for (std::size_t first = 0; first < count; ++first) {
+      const AreaLight* const light = vertices[first].chosen.area;
+      if (light == nullptr || vertices[first].drawn || light->rectangle() == nullptr) continue;
+      std::array<PathVertex*, lanes> which;
+      std::array<Point, lanes> from;
+      std::array<LightSample, lanes> samples;
       FewNumbers rest{}, other{};
       std::size_t some = 0;
-      for (std::size_t k = first; k < most; ++k)
-        if (chosen_by(k) == light) {
-          from[some] = vertices[k]->hit.point();
-          rest[some] = vertices[k]->chosen.rest, other[some] = vertices[k]->numbers[3];
-          which[some++] = k;
+      for (std::size_t k = first; k < count && some < lanes; ++k)
+        if (PathVertex& vertex = vertices[k]; vertex.chosen.area == light && !vertex.drawn) {
+          from[some] = vertex.hit.point();
+          rest[some] = vertex.chosen.rest, other[some] = vertex.numbers[3];
+          which[some++] = &vertex;
         }
       if (some < 2) continue;
       RectangleView::sample_each(*light->rectangle(), {from.data(), some}, rest, other, samples);
-      for (std::size_t i = 0; i < some; ++i) drawn[which[i]] = samples[i];
+      for (std::size_t i = 0; i < some; ++i) which[i]->drawn = samples[i];
     }
   }
 
