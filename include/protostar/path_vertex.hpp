@@ -83,9 +83,9 @@ struct PathVertex {
     if (at.glossy) at.glossy_probability = shares.glossy / shares.whole();
   }
 
-  /// Makes the ray to the chosen light at a place that is not initialized: in the direction that is drawn, or
-  /// else in one drawn by the rest of the third number and the fourth. Returns false, and makes none, if that
-  /// is no area light, or if its light would not count.
+  /// Makes the ray to the chosen light, at a place for it: in the direction that is drawn, or else in one
+  /// drawn by the rest of the third number and the fourth. Returns false, and makes none, if that is no area
+  /// light, or if its light would not count.
   [[nodiscard]] bool aim(Ray* place) {
     const AreaLight* const area = chosen.area;
     if (area == nullptr) return false;

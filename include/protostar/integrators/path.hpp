@@ -135,9 +135,9 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
     PathVertex vertex(hit, draw);
     vertex.chosen = choose_light(vertex);
     Color radiance{0};
-    if (Uninitialized<Ray, 1> to_light; vertex.aim(&to_light[0]))
+    if (Ray to_light; vertex.aim(&to_light))
       radiance = follow(
-          to_light[0], scene, [] { return Color{0}; },
+          to_light, scene, [] { return Color{0}; },
           [&](const Intersection& seen) { return vertex.shown_by(seen); });
     return go_on(path, vertex, scene, radiance);
   }
