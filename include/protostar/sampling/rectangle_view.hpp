@@ -13,8 +13,8 @@
 // r1² − y0² y1²)/(r0 r1 − y0 y1) = q (q + y0² + y1²)/(r0 r1 − y0 y1) for q = x² + h². The part between x and
 // x' is
 //   2 arctan(h l (D' − D)/(D D' + h² l²)),
-// with a difference D' − D that is a sum of products of x' − x. Two such parts together have the angle of the
-// product of two complex numbers.
+// with a difference D' − D that is a sum of products of x' − x. The arc tangent is the angle of a complex
+// number, and for two parts together it is the angle of the product of their numbers.
 //
 // Let p be half of the solid angle of the strip left of x, and q = Δ − p half of that right of it. Then
 //   x = h ρ1 sin(p − q)/(2 √(sin p sin q (h cos p + y1 sin p) (h cos q + y1 sin q))),   ρ = √(h² + y²),
@@ -153,8 +153,7 @@ class RectangleSeen {
             plus = share_0 * end_0.plus + share_1 * end_1.plus;
     const T y = min(max(rho * (plus - minus) / (2.0 * sqrt(plus * minus)), y0_), y1_);
 
-    const T farthest = x1_ * x1_ + y1_ * y1_ + h_ * h_;
-    const T distance = sqrt(min(y * y + rho_2, farthest)), inverse = 1.0 / distance;
+    const T distance = sqrt(y * y + rho_2), inverse = 1.0 / distance;
     return {(x * inverse) * x_ + (y * inverse) * y_ + (h_ * inverse) * z_, distance};
   }
 
@@ -200,11 +199,11 @@ class RectangleSeen {
     }
   };
 
-  /// Numbers of which polar_angle(y, x) is half of a solid angle, or an angle.
+  /// Complex number x + i y, whose angle, polar_angle(y, x), is half of a solid angle.
   struct Pair {
     T y, x;
 
-    /// Returns the pair of the sum of both angles.
+    /// Returns the product, whose angle is the sum of both. No digits of y are lost for x, y ≥ 0.
     friend Pair operator*(const Pair& a, const Pair& b) {
       return {a.x * b.y + a.y * b.x, a.x * b.x - a.y * b.y};
     }
@@ -215,7 +214,8 @@ class RectangleSeen {
     }
   };
 
-  /// Returns the pair of the part of the strip between a.x and b.x ≥ a.x, where width = b.x − a.x.
+  /// Returns the pair of the part of the strip between a.x and b.x ≥ a.x, where width = b.x − a.x. Both
+  /// components are multiplied by (a.r0 + b.r0) (a.r1 + b.r1), by which the difference of D would be divided.
   [[nodiscard]] static Pair part_between(const HalfStrip& a, const HalfStrip& b, const T& width,
                                          const T& hl) {
     const T sum = a.x + b.x, s0 = a.r0 + b.r0, s1 = a.r1 + b.r1, product = s0 * s1;
@@ -226,7 +226,8 @@ class RectangleSeen {
 
   Vector x_, y_, z_;  // unit axes
   T x0_, x1_, y0_, y1_, h_;
-  T left_, middle_, right_, solid_angle_, rho0_, rho1_, hl_;
+  T left_, middle_, right_;  // halves of the solid angles of the strip's parts, and of the rectangle between
+  T solid_angle_, rho0_, rho1_, hl_;
 };
 
 }  // namespace detail
