@@ -91,7 +91,7 @@ TEST_CASE("the polar angle of a number that is not finite is NaN, alone and of s
   CHECK(polar_angle_of_each(0, 0)[0] == 0);
 }
 
-TEST_CASE("sines and polar angles of several numbers at once have the bits of those one by one") {
+TEST_CASE("sines, cosines and polar angles of several numbers at once have the bits of those one by one") {
   Random random(64);
   WrongCases wrong;
   const auto number = [&]() -> double {

@@ -1,4 +1,5 @@
-// Sines and polar angles of a few numbers at once, in lanes: the numbers of radians.hpp, to the last bit.
+// Sines, cosines and polar angles of a few numbers at once, in lanes: the numbers of radians.hpp, to the last
+// bit.
 //
 // A polynomial waits for each of its products, and quadrants and octants are branches that no processor
 // foresees. In lanes several polynomials take the time of one, and both answers to each question are computed
