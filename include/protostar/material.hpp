@@ -79,7 +79,7 @@ struct Material {
   double refract = 0;
   double ior = 1.5;   ///< index of refraction inside, the normal pointing outside; outside it is 1
   Color emission{0};  ///< radiance that the surface itself sends out, on both sides, alike in all directions
-  Color glossy{0};    ///< blurred mirror: share of the light reflected at normal incidence; black: none
+  Color glossy{0};    ///< blurred mirror: share that a sharp one reflects at normal incidence; black: none
   double roughness = 0.5;  ///< of the blurred mirror, from 0, sharp, to 1 (GgxLobe)
   Blur blur = Blur::ggx;   ///< lobe of the blurred mirror
 

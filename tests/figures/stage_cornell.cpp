@@ -49,7 +49,7 @@ void color_bleeding(Drawing& drawing) {
   room.mark(shown(on_wall), Paint::ink);
   room.words(shown({300, 200, cut}), {-8, -8}, "to the eye", Paint::ink, Anchor::end);
   room.words(shown({278, side, cut}), {0, -12}, "the lamp", Paint::orange, Anchor::middle);
-  room.words(shown(on_wall), {14, 0}, "keeps the red part", Paint::red);
+  room.words(shown(on_wall), {14, 0}, "sends on the red part", Paint::red);
   room.words(shown({side, 300, cut}), {-10, 0}, "green wall", Paint::green, Anchor::end);
   room.words(shown(on_floor), {0, 26}, "white floor", Paint::ink, Anchor::middle);
 }

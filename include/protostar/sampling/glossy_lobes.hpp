@@ -92,7 +92,7 @@ struct PhongLobe {
 /// surface reflects less than its color: of light from everywhere 0.88 times as much for a roughness of 0.5,
 /// and 0.41 times for 1.
 struct GgxLobe {
-  Color color{1};          ///< share of light that is reflected at normal incidence
+  Color color{1};          ///< share of light that a microfacet reflects at normal incidence
   double roughness = 0.5;  ///< from 0, a mirror, to 1
 
   /// Least α. Such a lobe is as narrow as 10^-6 radians, a thousandth of a pixel, but far wider than the
