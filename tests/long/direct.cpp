@@ -371,6 +371,29 @@ TEST_CASE("a direct integrator refuses less than one ray for a hit, and another 
   CHECK_THROWS_AS(direct.shade(*hit, copy, SobolSampler(SampleIndex{})), std::logic_error);
 }
 
+TEST_CASE("lights that were made before the last surface are refused, in views of the scene as well") {
+  Scene<Sphere> scene;
+  scene.add(Sphere{{0, 0, 3}, 1}, lamp(1));
+  const DirectIntegrator direct(scene);
+  scene.add(Sphere{{0, 3, 3}, 1}, matte);
+  const auto fast = accelerate(scene);
+  const auto error_of = [&](const auto& view, bool tiles) {
+    return message_of<std::logic_error>([&] {
+      Image image(4, 3);
+      render(image, Camera{}, view, direct, {.samples = 2, .threads = 1, .tiles = tiles});
+    });
+  };
+  const std::string refused =
+      "AreaLights: the scene is not the one of which they were made, or has been moved or given other "
+      "surfaces "
+      "since; make them again";
+  for (const bool tiles : {false, true}) {
+    CAPTURE(tiles);
+    CHECK(error_of(scene, tiles) == refused);
+    CHECK(error_of(fast, tiles) == refused);
+  }
+}
+
 TEST_CASE("each ray to a lamp takes two numbers of its own, from set 1 on") {
   Scene<Plane, Sphere> scene;
   scene.add(Plane{{0, 1, 0}, 0}, matte);

@@ -60,10 +60,15 @@ TEST_CASE("a path integrator refuses a scene that was given another environment,
     return EnvironmentImage{std::make_shared<const Image>(image)};
   };
   const auto error_of = [&](const PathIntegrator& path, bool tiles) {
-    return message_of<std::logic_error>([&] {
-      Image image(4, 3);
-      render(image, Camera{}, scene, path, {.samples = 2, .threads = 1, .tiles = tiles});
-    });
+    const auto of_view = [&](const auto& view) {
+      return message_of<std::logic_error>([&] {
+        Image image(4, 3);
+        render(image, Camera{}, view, path, {.samples = 2, .threads = 1, .tiles = tiles});
+      });
+    };
+    const std::string error = of_view(scene);
+    CHECK(of_view(accelerate(scene)) == error);
+    return error;
   };
   const std::string changed =
       "EnvironmentLight: the scene has been given another environment since it was made; make it again";

@@ -79,6 +79,10 @@ class Accelerated<Scene<S...>> {
   [[nodiscard]] const Color& ambient() const { return scene_->ambient(); }
   [[nodiscard]] const std::optional<Color>& sky() const { return scene_->sky(); }
   [[nodiscard]] const Environment& environment() const { return scene_->environment(); }
+  [[nodiscard]] std::size_t environment_version() const { return scene_->environment_version(); }
+
+  /// Returns the number of surfaces that the scene has now.
+  [[nodiscard]] std::size_t size() const { return scene_->size(); }
 
   [[nodiscard]] const Scene<S...>& scene() const { return *scene_; }
 
