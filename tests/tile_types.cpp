@@ -36,6 +36,23 @@ int different_by_tiles(const auto& scene, const Camera& camera, const auto& inte
 
 }  // namespace
 
+TEST_CASE("a scene that names no type of surface shows its sky, by tiles as ray by ray") {
+  Scene<> scene;
+  scene.set_sky(Color{0.25f, 0.5f, 1});
+  const auto accelerated = accelerate(scene);
+  for (const bool tiles : {false, true}) {
+    CAPTURE(tiles);
+    Image image(19, 3), by_view(19, 3);
+    render(image, Camera{}, scene, WhittedIntegrator{}, {.samples = 2, .tiles = tiles});
+    render(by_view, Camera{}, accelerated, WhittedIntegrator{}, {.samples = 2, .tiles = tiles});
+    int other = 0;
+    for (int y = 0; y < image.height(); ++y)
+      for (int x = 0; x < image.width(); ++x)
+        other += image(x, y) != *scene.sky() || by_view(x, y) != *scene.sky();
+    CHECK(other == 0);
+  }
+}
+
 TEST_CASE("scenes of two and of more types of surfaces are drawn by tiles as ray by ray, by each camera") {
   Scene<Sphere, Plane> of_two;
   add_spheres_and_planes(of_two);
