@@ -212,6 +212,8 @@ TEST_CASE("a path that cannot be written is refused with path and reason") {
   CHECK(failure(folder / "none/a", [&] { OutputFile(folder / "none/a"); }) == ENOENT);
   CHECK(failure(folder / "file/a", [&] { OutputFile(folder / "file/a"); }) == ENOTDIR);
   CHECK(failure("", [&] { save("", "x"); }) == ENOENT);
+  const std::string cut = (folder / "file").string() + std::string(1, '\0') + ".ppm";
+  CHECK(failure(folder / "file", [&] { save(cut, "x"); }) == EINVAL);
   const fs::path long_name = folder / std::string(300, 'x');
   CHECK(failure(long_name, [&] { save(long_name, "x"); }) == ENAMETOOLONG);
   CHECK(folder.count() == 2);

@@ -12,15 +12,20 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Name of a file: a text, or anything with string(), such as a std::filesystem::path, whose header takes
-/// long to compile.
+/// long to compile. Throws std::system_error if it has a byte 0: systems take it for the end, and would open
+/// another file.
 class FileName {
  public:
   FileName(const char* text) : text_(text) {}
-  FileName(std::string text) : text_(std::move(text)) {}
+  FileName(std::string text) : text_(std::move(text)) {
+    if (const std::size_t end = text_.find('\0'); end != std::string::npos) [[unlikely]]
+      throw std::system_error(std::make_error_code(std::errc::invalid_argument),
+                              "a file name has a byte 0 behind '" + text_.substr(0, end) + "'");
+  }
 
   template <class Path>
   requires requires(const Path& path) { std::string(path.string()); }
-  FileName(const Path& path) : text_(path.string()) {}
+  FileName(const Path& path) : FileName(std::string(path.string())) {}
 
   [[nodiscard]] const std::string& text() const { return text_; }
 
