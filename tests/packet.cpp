@@ -33,6 +33,14 @@ static_assert(simd::takes_packets<Sphere> && simd::takes_packets<Plane> &&
               simd::takes_packets<Parallelogram>);
 static_assert(!simd::takes_packets<Cylinder>);
 
+/// Sphere whose normal takes one point only.
+struct Bumpy : Sphere {
+  [[nodiscard]] Vec3 normal_at(const Point& p) const {
+    return normalize(Sphere::normal_at(p) + Vec3{0.1, 0, 0});
+  }
+};
+static_assert(SurfaceWithEquation<Bumpy> && !simd::takes_packets<Bumpy>);
+
 /// Rays that fill a packet; all have the same departure.
 using Bundle = std::array<Ray, double_lanes>;
 

@@ -180,6 +180,7 @@ inline constexpr bool takes_packets =
     SurfaceWithEquation<S> && !SurfaceWithRoots<S> && requires(const S& surface, const RayPacket& rays) {
   surface.equation(rays);
   surface.is_left_by(rays);
+  Vectors(surface.normal_at(rays.origin));
 };
 
 /// Lanes whose t lies inside a range, surely or maybe, as lies_inside decides. Roots have the sign of the
