@@ -278,6 +278,41 @@ TEST_CASE("the checker proves marches of fields with edges, from near and from f
 }
 #endif
 
+#if __has_include(<nlohmann/json.hpp>)
+TEST_CASE("the checker takes the rays of a hit in the order in which the integrator traces them") {
+  const TemporaryFolder folder;
+  if (run({.program = explanation_checker, .arguments = {"--help"}, .folder = folder / ""}).status == 127) {
+    WARN("not tested: python3 is not installed");
+    return;
+  }
+  const std::string integrator = GENERATE("path", "direct");  // whose orders differ
+  CAPTURE(integrator);
+  // A ball in the light of a lamp, which is a ball, too, and of a light at a point.
+  put_bytes(folder / "scene.json", R"({
+    "settings": {"resolution-x": 24, "resolution-y": 30, "samples": 2, "integrator": ")" +
+                                       integrator + R"("},
+    "camera": {"projection": "perspective", "position": [0, 0.5, -4], "direction": [0, 0, 1],
+               "upward": [0, 1, 0], "field-of-view": 60},
+    "objects": [{"surface": {"type": "sphere", "position": [0, 0, 0], "radius": 1}, "color": [0.04, 0.73, 0]},
+                {"surface": {"type": "sphere", "position": [1, 2, -2], "radius": 0.5}, "material-id": "lamp"}],
+    "lights": [{"position": [-1, 3, -1], "power": [50, 50, 50]}],
+    "materials": {"lamp": {"emission": [5, 5, 5]}}
+  })");
+  REQUIRE(run_stage("render", "scene.json --pixel 12,15 --explain a.json --quiet", folder).status == 0);
+  const std::string text = bytes_of(folder / "a.json");
+  const auto check = [&](const std::string& file) {
+    put_bytes(folder / "b.json", file);
+    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+  };
+  CHECK(check(text).err == "");
+  CHECK(check(text).out == "b.json: right\n");
+  // The directions of the shadow ray, and of the ray to the lamp.
+  for (const std::string key : {"\"query\": \"any\"...\"direction\": [",
+                                "\"query\": \"closest\"...\"query\": \"closest\"...\"direction\": ["})
+    CHECK(check(with_another_digit(text, key)).status == 1);
+}
+#endif
+
 #if __has_include(<tiny_obj_loader.h>)
 TEST_CASE("an explanation has all triangles of a mesh, and the checker finds those that a ray crosses") {
   const TemporaryFolder folder;

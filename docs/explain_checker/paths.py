@@ -303,14 +303,15 @@ class Paths:
         """Returns the light that a hit reflects of the lights, by rays to them."""
         if not self.has_light():
             return [0.0] * 3
-        matte, glossy = self.lights_at(at, line, rays, numbers[2])
-        matte = [x * OVER_PI for x in matte]
-        if self.area_lights.by_power.whole:
+        by_ray = [0.0] * 3, [0.0] * 3
+        if self.area_lights.by_power.whole:  # whose ray comes before the shadow rays
             i, probability, rest, doubt = self.area_lights.by_power.choose(numbers[2])
             if doubt < DOUBT:
                 raise NoDirections("lights where chance decides by the last digits")
-            more = self.light_by_ray(at, self.area_lights.lights[i], (rest, numbers[3]), 1 / probability, rays)
-            matte, glossy = ([x + y for x, y in zip(*pair)] for pair in zip((matte, glossy), more))
+            by_ray = self.light_by_ray(at, self.area_lights.lights[i], (rest, numbers[3]), 1 / probability, rays)
+        matte, glossy = self.lights_at(at, line, rays, numbers[2])
+        matte = [x * OVER_PI for x in matte]
+        matte, glossy = ([x + y for x, y in zip(*pair)] for pair in zip((matte, glossy), by_ray))
         reflected = [x * y for x, y in zip(floats(at.color), matte)]
         return [x + y for x, y in zip(reflected, glossy)] if at.glossy else reflected
 
