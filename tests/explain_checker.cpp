@@ -313,6 +313,50 @@ TEST_CASE("the checker takes the rays of a hit in the order in which the integra
 }
 #endif
 
+#if __has_include(<nlohmann/json.hpp>)
+TEST_CASE("an explanation of several lights in one direction tells which shadow ray is whose") {
+  const TemporaryFolder folder;
+  struct Row {
+    std::string integrator, lights;
+    std::vector<std::string> shadow_rays;  ///< of the lights
+  };
+  const std::string at_point = R"({"position": [0, 3, -3], "power": [50, 50, 50]})",
+                    dark = R"({"position": [0, 3, -3], "power": [0, 0, 0]})",
+                    along = R"({"direction": [0, 3, -3], "intensity": [1, 1, 1]})";
+  const auto row = GENERATE_COPY(Row{"shadow", at_point + ", " + at_point, {"0", "1"}},
+                                 Row{"shadow", along + ", " + at_point + ", " + along, {"0", "1", "2"}},
+                                 Row{"direct", at_point + ", " + at_point, {"0", "1"}},
+                                 // A light that adds nothing has no ray, not even the next one's.
+                                 Row{"whitted", dark + ", " + at_point, {"null", "0"}});
+  CAPTURE(row.integrator, row.lights);
+  put_bytes(folder / "scene.json", R"({"settings": {"resolution-x": 8, "resolution-y": 6, "integrator": ")" +
+                                       row.integrator + R"("}, "lights": [)" + row.lights + R"(],
+    "camera": {"projection": "perspective", "position": [0, 0, -3], "direction": [0, 0, 1],
+               "upward": [0, 1, 0], "field-of-view": 60},
+    "objects": [{"surface": {"type": "sphere", "position": [0, 0, 0], "radius": 1}, "color": [1, 1, 1]}]})");
+  const Outcome outcome = run_stage("render", "scene.json --pixel 4,3 --explain a.json", folder);
+  REQUIRE(outcome.status == 0);
+  CHECK(outcome.out.find("refracted ray, ") == std::string::npos);
+  const std::string text = bytes_of(folder / "a.json"), key = "\"shadow_ray\": ";
+  std::vector<std::string> shadow_rays;
+  for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1))
+    shadow_rays.push_back(text.substr(at + key.size(), text.find('\n', at) - at - key.size()));
+  CHECK(shadow_rays == row.shadow_rays);
+  const auto check = [&](const std::string& file) {
+    put_bytes(folder / "b.json", file);
+    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+  };
+  const Outcome right = check(text);
+  if (right.status == 127) return;  // python3 is not installed
+  CHECK(right.err == "");
+  CHECK(right.status == 0);
+  std::string changed = text;
+  const Outcome wrong = check(changed.replace(changed.rfind(key) + key.size(), 1, "7"));
+  CHECK(wrong.status == 1);
+  CHECK_THAT(wrong.err, ContainsSubstring("/shadow_ray is 7"));
+}
+#endif
+
 #if __has_include(<tiny_obj_loader.h>)
 TEST_CASE("an explanation has all triangles of a mesh, and the checker finds those that a ray crosses") {
   const TemporaryFolder folder;

@@ -120,9 +120,11 @@ class Paths:
             size = root(dot(towards, towards))
             direction = [x / size for x in towards]
             shadow = rays.take("any", lambda ray: ray["direction"].vector() == towards)
+            if shadow is None and not at.is_skipped(direction):
+                raise Wrong(own["shadow_ray"].at("must be a ray"))
+            if len(taken) == count:  # otherwise a light may have the ray of another that is in its direction
+                own["shadow_ray"].must_be(None if shadow is None else rays.at - 1)
             if shadow is None:
-                if not at.is_skipped(direction):
-                    raise Wrong(own["shadow_ray"].at("must be a ray"))
                 continue
             shadow["range_end"].must_be("infinity" if "direction" in light else 1)
             self.check_start(shadow, at.ray, at.hit)

@@ -155,23 +155,44 @@ void ExplainedScene::add(const protostar::SceneVector<T>& surfaces,
 namespace explaining {
 
 /// Scene of one light alone, in which rays hit nothing: an integrator that shades a hit in it returns the
-/// light's share of the radiance, if nothing occludes the light.
+/// light's share of the radiance, if nothing occludes the light. Knows whether it has asked for that.
 struct OneLight {
   std::array<protostar::Light, 1> light;
   std::optional<protostar::Color> black = protostar::Color{0};
+  mutable bool is_asked = false;
 
   std::optional<protostar::Intersection> intersect(const protostar::Ray&, protostar::Interval) const {
     return std::nullopt;
   }
-  bool occluded(const protostar::Ray&, protostar::Interval) const { return false; }
+  bool occluded(const protostar::Ray&, protostar::Interval) const {
+    is_asked = true;
+    return false;
+  }
   void crossings(const protostar::Ray&, protostar::Interval, const auto&) const {}
   const std::array<protostar::Light, 1>& lights() const { return light; }
   const std::optional<protostar::Color>& sky() const { return black; }
 };
 
-/// Returns what a light brings to a hit, as the integrators compute it.
-LightRecord light_at(const protostar::Intersection& hit, const protostar::Light& light,
-                     const RayRecord& record, const auto& integrator) {
+/// Returns the index of the first ray to a light among those that follow a hit and are no other light's;
+/// empty if there is none.
+inline std::optional<std::size_t> shadow_ray_along(const protostar::Vec3& towards, const RayRecord& record) {
+  std::size_t i = 0;
+  for (const RayRecord& ray : record.rays) {
+    const auto is_of = [&](const LightRecord& light) { return light.shadow_ray == i; };
+    const std::vector<LightRecord>& before = record.hit->lights;
+    if (ray.query == RayRecord::Query::any && ray.ray.direction == towards &&
+        std::none_of(before.begin(), before.end(), is_of))
+      return i;
+    ++i;
+  }
+  return std::nullopt;
+}
+
+/// Adds what a light brings to the hit of a ray, as the integrators compute it, to the lights before it.
+/// Integrators ask for lights in their order, so that of several in one direction each has the first ray that
+/// is left.
+void add_light(RayRecord& record, const protostar::Intersection& hit, const protostar::Light& light,
+               const auto& integrator) {
   const protostar::Point point = hit.point();
   const protostar::Vec3 towards = light.towards(point);
   const double height = hit.height(towards);
@@ -180,14 +201,14 @@ LightRecord light_at(const protostar::Intersection& hit, const protostar::Light&
                   .facing = light.perpendicular_irradiance(point),
                   .irradiance = light.received(towards, height),
                   .share = {}};
-  if constexpr (requires { integrator.shade(hit, OneLight{{light}}); })
-    lit.share = integrator.shade(hit, OneLight{{light}});
-  std::size_t i = 0;
-  for (const RayRecord& ray : record.rays) {
-    if (ray.query == RayRecord::Query::any && ray.ray.direction == towards) lit.shadow_ray = i;
-    ++i;
+  bool has_ray = true;
+  if constexpr (requires { integrator.shade(hit, OneLight{{light}}); }) {
+    const OneLight alone{{light}};
+    lit.share = integrator.shade(hit, alone);
+    has_ray = alone.is_asked;
   }
-  return lit;
+  if (has_ray) lit.shadow_ray = shadow_ray_along(towards, record);
+  record.hit->lights.push_back(lit);
 }
 
 /// Adds the lights of a ray's hit, and of the rays that follow it, after the pixel has been traced.
@@ -198,8 +219,7 @@ void add_lights(RayRecord& record, const std::vector<protostar::Light>& lights, 
     unlit.emission = protostar::Color{0};
     record.crossing->material = &unlit;
     const protostar::Intersection hit(record.ray, *record.crossing);
-    for (const protostar::Light& light : lights)
-      record.hit->lights.push_back(light_at(hit, light, record, integrator));
+    for (const protostar::Light& light : lights) add_light(record, hit, light, integrator);
   }
   record.crossing.reset();
   for (RayRecord& ray : record.rays) add_lights(ray, lights, integrator);
