@@ -355,6 +355,38 @@ TEST_CASE("an explanation of several lights in one direction tells which shadow 
   CHECK(wrong.status == 1);
   CHECK_THAT(wrong.err, ContainsSubstring("/shadow_ray is 7"));
 }
+
+TEST_CASE("an explanation tells the time of rays with the shutter, though it be closed") {
+  const TemporaryFolder folder;
+  const auto& [camera, time] =
+      GENERATE(table<std::string, std::string>({{R"("shutter": [2, 2])", "2"},
+                                                {R"("velocity": [0.25, 0, 0])", "0"},
+                                                {R"("shutter": [2, 2], "velocity": [0.25, 0, 0])", "2"}}));
+  CAPTURE(camera);
+  put_bytes(folder / "scene.json",
+            R"({"settings": {"resolution-x": 8, "resolution-y": 6, "integrator": "shadow", "samples": 2},
+    "camera": {"projection": "perspective", "position": [0, 0, -3], "direction": [0, 0, 1],
+               "upward": [0, 1, 0], "field-of-view": 60, )" +
+                camera + R"(},
+    "objects": [{"surface": {"type": "sphere", "position": [0, 0, 0], "radius": 1}, "color": [1, 1, 1]}],
+    "lights": [{"position": [0, 3, -3], "power": [50, 50, 50]}]})");
+  const Outcome outcome = run_stage("render", "scene.json --pixel 4,3 --explain a.json", folder);
+  REQUIRE(outcome.status == 0);
+  CHECK_THAT(outcome.out, ContainsSubstring("\n    time " + time + "\n"));
+  const std::string text = bytes_of(folder / "a.json");
+  const auto check = [&](const std::string& file) {
+    put_bytes(folder / "b.json", file);
+    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+  };
+  const Outcome right = check(text);
+  if (right.status == 127) return;  // python3 is not installed
+  CHECK(right.err == "");
+  CHECK(right.status == 0);
+  std::string changed = text;
+  const std::string before = "\"time\": " + time;
+  const Outcome wrong = check(changed.replace(changed.find(before), before.size(), "\"time\": 0.5"));
+  CHECK(wrong.status == 1);
+}
 #endif
 
 #if __has_include(<tiny_obj_loader.h>)

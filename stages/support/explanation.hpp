@@ -153,6 +153,12 @@ struct Explanation {
   float largest = 0;          ///< largest channel of the picture, if the tone asks for it
   protostar::Color toned{0};
   std::array<std::uint16_t, 3> codes{};
+
+  /// Returns true if rays have times, which are told with the shutter: they may differ, differ from 0, or
+  /// move the camera.
+  [[nodiscard]] bool has_times() const {
+    return camera.shutter.is_open() || camera.shutter.opens != 0 || camera.is_moving();
+  }
 };
 
 /// Returns the name of a sampler; "own" for a type that is not the library's.

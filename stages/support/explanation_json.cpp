@@ -156,8 +156,8 @@ class Writer {
       json_.member("film_up", e_.camera.film_up);
       json_.member("aperture", e_.camera.aperture);
       json_.member("focus", e_.camera.focus);
-      if (const Shutter& shutter = e_.camera.shutter; shutter.is_open())
-        json_.key("shutter").list(std::array{shutter.opens, shutter.closes});
+      if (e_.has_times())
+        json_.key("shutter").list(std::array{e_.camera.shutter.opens, e_.camera.shutter.closes});
       json_.member("velocity", e_.camera.velocity);
     });
   }
@@ -227,8 +227,7 @@ class Writer {
       json_.member("weight", sample.place.weight);
       json_.key("film").list(std::array{sample.u, sample.v});
       if (sample.lens) json_.key("lens").list(std::array{sample.lens->x, sample.lens->y});
-      if (e_.camera.shutter.is_open() || e_.camera.is_moving() || sample.ray.time != 0)
-        json_.member("time", sample.ray.time);
+      if (e_.has_times()) json_.member("time", sample.ray.time);
       json_.member("origin", sample.ray.origin);
       json_.member("direction", sample.ray.direction);
       if (!sample.sets.empty())

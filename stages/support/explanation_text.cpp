@@ -176,8 +176,7 @@ class Tree {
     line(depth, formatted("film point u = %.9g, v = %.9g", sample.u, sample.v));
     if (sample.lens)
       line(depth, formatted("point of the lens x = %.9g, y = %.9g", sample.lens->x, sample.lens->y));
-    if (explanation_.camera.shutter.is_open() || explanation_.camera.is_moving())
-      line(depth, formatted("time %.9g", sample.ray.time));
+    if (explanation_.has_times()) line(depth, formatted("time %.9g", sample.ray.time));
     line(depth, "ray from " + text(sample.ray.origin) + " along " + text(sample.ray.direction));
     for (const auto& [set, numbers] : sample.sets)
       line(depth, formatted("set %lu of the sampler: %.9g, %.9g, %.9g, %.9g", static_cast<unsigned long>(set),
