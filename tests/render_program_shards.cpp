@@ -1,5 +1,7 @@
 // Shards and checkpoints of scene files.
+#include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "support/catch.hpp"
@@ -7,6 +9,8 @@
 #include "support/process.hpp"
 #include "support/run_render.hpp"
 #include "support/run_stage.hpp"
+
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -27,6 +31,11 @@ std::string merged_picture(const std::string& arguments, const std::string& file
   CHECK(outcome.status == 0);
   CHECK(outcome.out + outcome.err == "");
   return bytes_of(folder / file);
+}
+
+/// Returns arguments for a small picture, which shards and checkpoints have in common.
+std::string small_picture() {
+  return scene_path("three_spheres") + " --size 32x16 --samples 8 --sampler sobol --quiet ";
 }
 
 }  // namespace
@@ -133,4 +142,25 @@ TEST_CASE("a scene that asks for an error has no known samples to be shared") {
   CHECK_THAT(outcome.err,
              ContainsSubstring("--shard: needs a known number of samples, and the scene asks for"));
   CHECK(run_stage("render", arguments + " --samples 4", folder).status == 0);
+}
+
+TEST_CASE("merge writes no picture over one of its parts") {
+  const TemporaryFolder folder;
+  CHECK(run_stage("render", small_picture() + "--shard 0/2 -o 0.shard", folder).status == 0);
+  CHECK(run_stage("render", small_picture() + "--shard 1/2 -o 1.shard", folder).status == 0);
+  const std::string bytes = bytes_of(folder / "1.shard");
+  put_bytes(folder / "1.ppm", bytes);
+  fs::create_symlink("1.shard", folder / "link.png");
+  for (const auto& [out, part] :
+       {std::pair{"1.ppm", "1.ppm"}, {"./1.ppm", "1.ppm"}, {"link.png", "1.shard"}}) {
+    CAPTURE(out);
+    const Outcome outcome = run_stage("merge", std::string(out) + " 0.shard " + part, folder);
+    CHECK(outcome.status == 2);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err == "merge: OUT: '" + std::string(out) +
+                             "' is not another file than those of the parts\nRun with --help for what is "
+                             "allowed.\n");
+    CHECK((bytes_of(folder / part) == bytes));
+  }
+  CHECK(run_stage("merge", "out.png 0.shard 1.ppm --quiet", folder).status == 0);
 }

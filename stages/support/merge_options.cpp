@@ -25,6 +25,7 @@ std::optional<MergeOptions> parse_merge_options(int argc, const char* const* arg
     merge.options.format = format_of(merge.options.output, "OUT");
     merge.own_transfer = file.read(line, merge.options);
     merge.shards.assign(shards.begin(), shards.end());
+    refuse_replacing("OUT", merge.options.output, merge.shards, "the parts");
     return merge;
   } catch (const UsageError& error) {
     print_usage_error(program, error);

@@ -311,9 +311,7 @@ void check_outputs(const Options& options, const std::vector<std::filesystem::pa
                                        {"--noise", options.noise},
                                        {"--explain", options.explain},
                                        {"--rays", options.rays}})
-    for (const std::filesystem::path& file : files)
-      if (std::filesystem::is_regular_file(file) && is_same_place(output, file))
-        refuse(option, output.string(), "another file than those of the scene");
+    refuse_replacing(option, output, files, "the scene");
 }
 
 /// Refuses pictures whose work cannot be shared: those that are no sums of samples. Shards take Sobol' points
