@@ -136,7 +136,7 @@ TEST_CASE(
   CHECK(run_stage("09_shadow", "--timeout 1", folder).status == 2);
 }
 
-TEST_CASE("the default timeout of render is ten seconds for each pixel") {
+TEST_CASE("the default timeout of render is ten seconds for each pixel, and those of --time") {
   const auto timeout = [](const std::string& arguments) {
     const std::vector<std::string> line = words("render scene.json " + arguments);
     std::vector<const char*> argv;
@@ -152,6 +152,9 @@ TEST_CASE("the default timeout of render is ten seconds for each pixel") {
   CHECK(timeout("--crop 1,2,3,4") == 120);
   CHECK(timeout("--timeout 7") == 7);
   CHECK(timeout("--timeout 0") == 0);
+  CHECK(timeout("--size 1x1 --time 12") == 22);
+  CHECK(timeout("--time 1e300") == 1e9 + 6000);  // the system's timer cannot be set to more than 2^63
+  CHECK(timeout("--time 12 --timeout 7") == 7);
 }
 
 TEST_CASE("render does not wait for a pipe that a scene names") {

@@ -1,5 +1,6 @@
 #include "options.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -152,9 +153,13 @@ double read_above_0(const std::string& option, std::string_view text) {
       option, text, [](double x) { return x > 0; }, "a finite number greater than 0");
 }
 
+/// Seconds of the longest timeout, 32 years; the system's timer takes no number above 2^63.
+constexpr double longest_timeout = 1e9;
+
 double read_timeout(std::string_view text) {
   return read_number(
-      "--timeout", text, [](double x) { return 0 <= x && x <= 1e9; }, "a number of seconds from 0 to 1e9");
+      "--timeout", text, [](double x) { return 0 <= x && x <= longest_timeout; },
+      "a number of seconds from 0 to 1e9");
 }
 
 /// Options of the command line that ask for a picture in passes, as far as they are given.
@@ -263,9 +268,12 @@ void check_sampler(const SettingNames& names, const Options& options) {
            "possible here: " + protostar::why_not_hammersley(options.integrator));
 }
 
-/// Seconds after which `render` gives up a scene file, for each pixel of the picture. Scene files allow 2^22
-/// rays through a pixel, and a few microseconds for each of them are common.
-constexpr double seconds_a_pixel = 10;
+/// Returns the seconds after which `render` gives up a scene file, unless it is told: ten for each pixel,
+/// and those of --time. Scene files allow 2^22 rays through a pixel, and a few microseconds for each of them
+/// are common.
+double default_timeout(const Options& options) {
+  return 10 * static_cast<double>(options.drawn().pixel_count()) + std::min(options.seconds, longest_timeout);
+}
 
 ShardNumber read_shard(std::string_view text) {
   try {
@@ -393,7 +401,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     line.add_option("--integrator", integrator, "I",
                     "What light a ray brings, such as color or shadow [the scene's]");
     line.add_option("--timeout", timeout, "SECONDS",
-                    "Give up when drawing takes more seconds than that; 0: never [10 for each pixel]");
+                    "Give up when drawing takes more seconds than that; 0: never [10 for each pixel, and "
+                    "those of --time]");
     line.add_flag("--confine", confine, "Refuse images and meshes that are not inside the scene's folder");
   }
   line.add_option("--pixel", pixel, "X,Y",
@@ -495,7 +504,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
     if (line.given("--timeout"))
       options.timeout = own_timeout;
     else if (of_scene)
-      options.timeout = seconds_a_pixel * static_cast<double>(options.drawn().pixel_count());
+      options.timeout = default_timeout(options);
     return options;
   } catch (const UsageError& error) {
     print_usage_error(program, error);
