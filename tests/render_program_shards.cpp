@@ -164,3 +164,19 @@ TEST_CASE("merge writes no picture over one of its parts") {
   }
   CHECK(run_stage("merge", "out.png 0.shard 1.ppm --quiet", folder).status == 0);
 }
+
+TEST_CASE("of a checkpoint that is a symbolic link, the file is removed at the end, and the link stays") {
+  const TemporaryFolder folder;
+  fs::create_directory(folder / "elsewhere");
+  fs::create_symlink("elsewhere/state", folder / "link");
+  CHECK(run_stage("render", small_picture() + "--shard 0/2 -o half.shard", folder).status == 0);
+  fs::rename(folder / "half.shard", folder / "elsewhere/state");
+  for (const std::string time : {"first", "second"}) {  // the second time it leads to no file
+    CAPTURE(time);
+    const Outcome outcome = run_stage("render", small_picture() + "--checkpoint link -o out.ppm", folder);
+    CHECK(outcome.err == "");
+    CHECK(outcome.status == 0);
+    CHECK(fs::is_symlink(folder / "link"));
+    CHECK(fs::is_empty(folder / "elsewhere"));
+  }
+}

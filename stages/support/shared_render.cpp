@@ -94,8 +94,10 @@ void SharedRender::draw(const SharedPicture& picture, const RenderOptions& optio
 void SharedRender::finish() const {
   if (checkpoint_.empty() || is_checkpoint_complete_) return;
   std::error_code error;
-  std::filesystem::remove(checkpoint_, error);
-  if (error) throw std::system_error(error, "cannot remove " + quoted(checkpoint_));
+  const std::filesystem::path file = std::filesystem::canonical(checkpoint_, error);  // saving follows links
+  if (!error) std::filesystem::remove(file, error);
+  if (error && error != std::errc::no_such_file_or_directory)
+    throw std::system_error(error, "cannot remove " + quoted(checkpoint_));
 }
 
 std::uint64_t word_of_light(const Image& image) {

@@ -39,8 +39,8 @@ class SharedRender {
   /// Returns the units that are done, after draw().
   [[nodiscard]] const std::optional<protostar::Shard>& shard() const { return shard_; }
 
-  /// Removes the checkpoint, if there is one, as it is not needed any more. One that had all units before, as
-  /// a finished shard has, stays: it is the work of another run.
+  /// Removes the checkpoint, if there is one, as it is not needed any more; of a link, the file. One that had
+  /// all units before, as a finished shard has, stays: it is the work of another run.
   void finish() const;
 
  private:
