@@ -1,4 +1,8 @@
 // Shards and checkpoints of scene files.
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <filesystem>
 #include <string>
 #include <utility>
@@ -179,4 +183,23 @@ TEST_CASE("of a checkpoint that is a symbolic link, the file is removed at the e
     CHECK(fs::is_symlink(folder / "link"));
     CHECK(fs::is_empty(folder / "elsewhere"));
   }
+}
+
+TEST_CASE("a checkpoint that is no file to be replaced is refused at once") {
+  const TemporaryFolder folder;
+  REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);
+  fs::create_directory(folder / "folder");
+  put_bytes(folder / "file", "old");
+  const auto to_file = [&] { dup2(open("file", O_RDWR), STDOUT_FILENO); };
+  for (const std::string name : {"pipe", "folder", "/dev/null", "/dev/stdout"}) {
+    CAPTURE(name);
+    const Outcome outcome =
+        run_stage("render", small_picture() + "-o out.ppm --checkpoint " + name, folder, to_file);
+    CHECK(outcome.status == 1);
+    CHECK(outcome.out == "");
+    CHECK(outcome.err ==
+          "render: --checkpoint: '" + name + "' is no regular file: it cannot be read again and replaced\n");
+  }
+  CHECK(folder.count() == 3);
+  CHECK(bytes_of(folder / "file") == "old");
 }

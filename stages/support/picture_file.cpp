@@ -14,13 +14,15 @@ using namespace protostar;
 
 const std::string_view format_endings = ".ppm, .png, or .pfm and .hdr for the linear light";
 
-Options::Format format_of(const std::filesystem::path& path, const std::string& option) {
-  namespace fs = std::filesystem;
+bool is_no_regular_file(const std::filesystem::path& path) {
   std::error_code error;
-  const fs::file_status status = fs::status(path, error);
-  if (fs::exists(status) && (!fs::is_regular_file(status) || OutputFile::descriptor_of(path) >= 0))
-    return Options::Format::ppm;
+  const std::filesystem::file_status status = std::filesystem::status(path, error);
+  return std::filesystem::exists(status) &&
+         (!std::filesystem::is_regular_file(status) || OutputFile::descriptor_of(path) >= 0);
+}
 
+Options::Format format_of(const std::filesystem::path& path, const std::string& option) {
+  if (is_no_regular_file(path)) return Options::Format::ppm;
   if (ends_in(path, ".ppm")) return Options::Format::ppm;
   if (ends_in(path, ".png")) return Options::Format::png;
   if (ends_in(path, ".pfm")) return Options::Format::pfm;

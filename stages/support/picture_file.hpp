@@ -12,6 +12,10 @@
 /// Endings of the formats, for a help text.
 extern const std::string_view format_endings;
 
+/// Returns true if there is a device, a pipe, a folder or the like of that name, or if the name is that of a
+/// descriptor of this process, such as /dev/fd/1, even if a regular file is open there.
+bool is_no_regular_file(const std::filesystem::path& path);
+
 /// Returns the format for a file's extension. A device, a pipe or a descriptor of this process by its name,
 /// such as /dev/fd/1, has none and takes a PPM, even if a regular file is open there; a folder is left to the
 /// writer, whose error says what it is. The option is named in the error.

@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "picture_file.hpp"
+
 using namespace protostar;
 
 namespace {
@@ -36,6 +38,9 @@ std::vector<PixelSums> pixels_of(const Film& film) {
 
 Shard SharedRender::begun(const SharedPicture& picture, const UnitRange& units) const {
   if (checkpoint_.empty()) return Shard(picture);
+  if (is_no_regular_file(checkpoint_))
+    throw std::runtime_error("--checkpoint: " + quoted(checkpoint_) +
+                             " is no regular file: it cannot be read again and replaced");
   static_cast<void>(OutputFile(FileName(checkpoint_)));  // throws at once what saving would throw later
   if (!std::filesystem::exists(checkpoint_)) return Shard(picture);
   Shard shard = load_shard(checkpoint_);
