@@ -3,8 +3,14 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
 #include <filesystem>
+#include <protostar/sampling/shard_file.hpp>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -41,6 +47,9 @@ std::string merged_picture(const std::string& arguments, const std::string& file
 std::string small_picture() {
   return scene_path("three_spheres") + " --size 32x16 --samples 8 --sampler sobol --quiet ";
 }
+
+/// Returns true if a file is a shard of all units of its picture.
+bool has_all_units(const fs::path& path) { return !protostar::load_shard(path).missing(); }
 
 }  // namespace
 
@@ -183,6 +192,45 @@ TEST_CASE("of a checkpoint that is a symbolic link, the file is removed at the e
     CHECK(fs::is_symlink(folder / "link"));
     CHECK(fs::is_empty(folder / "elsewhere"));
   }
+}
+
+TEST_CASE("the state of the work is saved if the picture cannot be written") {
+  const TemporaryFolder folder;
+  const auto failed = [&](const std::string& options, const std::string& file) {
+    const Outcome outcome =
+        run_stage("render", small_picture() + "--checkpoint state " + options + " -o " + file, folder);
+    CHECK(outcome.status == 1);
+    CHECK(outcome.err == cannot_write("render", file, ENOSPC));
+  };
+  failed("", "/dev/full");
+  CHECK(has_all_units(folder / "state"));
+  CHECK(run_stage("render", small_picture() + "-o a.ppm --checkpoint state", folder).status == 0);
+  CHECK(run_stage("render", small_picture() + "-o b.ppm", folder).status == 0);
+  CHECK((bytes_of(folder / "a.ppm") == bytes_of(folder / "b.ppm")));
+
+  fs::remove(folder / "state");
+  fs::create_symlink("/dev/full", folder / "full.shard");
+  failed("--shard 1/2", "full.shard");
+  CHECK(run_stage("render", small_picture() + "--shard 1/2 -o a.shard", folder).status == 0);
+  CHECK((bytes_of(folder / "state") == bytes_of(folder / "a.shard")));
+}
+
+TEST_CASE("the state of the work is saved if a signal comes while the picture is written") {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const std::string options = " --size 320x240 --samples 2 --checkpoint state -o pipe";
+  Process process(stage("render", words(scene_path("three_spheres") + options), folder / ""));
+  const int reader = open(pipe.c_str(), O_RDONLY);
+  std::array<char, 1 << 16> bytes{};
+  CHECK(read(reader, bytes.data(), 1) == 1);  // the rest is more than a pipe holds
+  process.send(SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  while (read(reader, bytes.data(), bytes.size()) > 0) continue;
+  CHECK(process.wait().status == 128 + SIGINT);
+  close(reader);
+  CHECK(fs::exists(folder / "state"));
+  CHECK(has_all_units(folder / "state"));
 }
 
 TEST_CASE("a checkpoint that is no file to be replaced is refused at once") {

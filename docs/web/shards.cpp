@@ -19,6 +19,8 @@ void Stage::share(StageRenderOptions&) const {}
 
 std::string Stage::save_shared() const { return {}; }
 
+void Stage::keep_shared() const {}
+
 void Stage::end_shared() {}
 
 std::string fingerprint_of(const std::vector<std::filesystem::path>&) { return {}; }

@@ -60,6 +60,7 @@ Shard SharedRender::begun(const SharedPicture& picture, const UnitRange& units) 
 void SharedRender::save() {
   const Clock::time_point start = Clock::now();
   save_shard(*shard_, checkpoint_);
+  is_saved_ = true;
   const Clock::time_point end = Clock::now();
   next_save_ = end + std::max(interval_, 20 * (end - start));
 }
@@ -68,6 +69,7 @@ void SharedRender::draw(const SharedPicture& picture, const RenderOptions& optio
                         const DrawUnit& draw_unit) {
   const UnitRange all = picture.units_of(number_.index, number_.count);
   shard_ = begun(picture, all);
+  is_saved_ = shard_->units().count() > 0;
   std::vector<std::uint64_t> units;
   for (std::uint64_t unit = all.first; unit < all.last; ++unit)
     if (!shard_->units().contains(unit)) units.push_back(unit);
@@ -91,9 +93,14 @@ void SharedRender::draw(const SharedPicture& picture, const RenderOptions& optio
     std::vector<PixelSums> pixels = pixels_of(film);
     const std::lock_guard<std::mutex> lock(one_adds);
     shard_->add(number, std::move(pixels));
+    is_saved_ = false;
     if (!checkpoint_.empty() && Clock::now() >= next_save_) save();
   });
-  if (!checkpoint_.empty() && options.stop.stop_requested()) save();
+  if (options.stop.stop_requested()) keep();
+}
+
+void SharedRender::keep() {
+  if (shard_ && !checkpoint_.empty() && !is_saved_) save();
 }
 
 void SharedRender::finish() const {

@@ -39,6 +39,10 @@ class SharedRender {
   /// Returns the units that are done, after draw().
   [[nodiscard]] const std::optional<protostar::Shard>& shard() const { return shard_; }
 
+  /// Saves the checkpoint, if there is to be one and it does not have all units that are done yet. Call it if
+  /// the work ends without finish().
+  void keep();
+
   /// Removes the checkpoint, if there is one, as it is not needed any more; of a link, the file. One that had
   /// all units before, as a finished shard has, stays: it is the work of another run.
   void finish() const;
@@ -52,6 +56,7 @@ class SharedRender {
   std::filesystem::path checkpoint_;
   Clock::duration interval_;
   Clock::time_point next_save_;
+  bool is_saved_ = false;                ///< true if the checkpoint has all units that are done
   bool is_checkpoint_complete_ = false;  ///< true if it had all units when it was read
   std::optional<protostar::Shard> shard_;
 };

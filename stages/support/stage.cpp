@@ -154,9 +154,29 @@ StageRenderOptions Stage::render_options(const Sphere& sphere) {
 
 void Stage::save(const Image& image) {
   progress_.clear();  // the calling thread need not be the one that does the last tile
-  if (stop_.stop_requested()) return;
-  if (options_.pixel) return tell(image);
+  if (options_.pixel) {
+    if (!stop_.stop_requested()) tell(image);
+    return;
+  }
   const auto rendered = Clock::now();
+  std::string units;
+  try {
+    if (!stop_.stop_requested()) units = write(image);
+  } catch (...) {
+    keep_shared();
+    throw;
+  }
+  if (stop_.stop_requested()) return keep_shared();
+  std::array<char, 128> times;
+  std::snprintf(times.data(), times.size(), ", %s in %.2f ms, written in %.2f ms", options_.work.c_str(),
+                milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
+  print(shown(options_.output.string()) + ": " + units + std::to_string(options_.width) + "x" +
+        std::to_string(options_.height) + ", " + options_.integrator + times.data());
+  if (options_.in_passes()) tell_passes();
+  if (shared_) end_shared();
+}
+
+std::string Stage::write(const Image& image) {
   if (options_.in_passes() && !told_passes_ && report_.samples == 0) {  // it was drawn without rays
     report_.is_met = true;
     standard_error_ = Image(image.width(), image.height());
@@ -177,14 +197,7 @@ void Stage::save(const Image& image) {
     if (options_.draws_more()) toned = part_of(toned, options_.crop, options_.width, options_.height);
     write_picture(toned, options_, stop_);
   }
-  if (stop_.stop_requested()) return;
-  std::array<char, 128> times;
-  std::snprintf(times.data(), times.size(), ", %s in %.2f ms, written in %.2f ms", options_.work.c_str(),
-                milliseconds(rendered - start_), milliseconds(Clock::now() - rendered));
-  print(shown(options_.output.string()) + ": " + units + std::to_string(options_.width) + "x" +
-        std::to_string(options_.height) + ", " + options_.integrator + times.data());
-  if (options_.in_passes()) tell_passes();
-  if (shared_) end_shared();
+  return units;
 }
 
 std::string Stage::note_on_passes() const {

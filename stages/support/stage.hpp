@@ -42,7 +42,8 @@ class Stage {
   /// instead, and writes the files of it that are asked for. Throws std::system_error if it cannot.
   ///
   /// A shard is saved instead of the image, with --shard. Throws std::logic_error if the stage has drawn
-  /// its picture without rays, and not declared so. After that, the checkpoint is removed.
+  /// its picture without rays, and not declared so. After that, the checkpoint is removed; if the work was
+  /// stopped or something cannot be written, it is saved.
   void save(const protostar::Image& image);
 
   /// Prints how many pixels of an image are wrong: more than one level of 255 off the exact image of the same
@@ -70,6 +71,10 @@ class Stage {
   /// picture.
   void print(const std::string& line) const;
 
+  /// Writes the standard errors, and the picture or the shard, which are asked for, and returns what a shard
+  /// is of the picture (save_shared).
+  std::string write(const protostar::Image& image);
+
   /// Adds what passes need to the options of a render.
   void set_passes(protostar::RenderOptions& options);
 
@@ -89,6 +94,9 @@ class Stage {
 
   /// Saves the shard, and returns what it is of the picture: how many units.
   std::string save_shared() const;
+
+  /// Saves the checkpoint, if there is one, of shared work that ends without its file.
+  void keep_shared() const;
 
   /// Ends shared work, and removes the checkpoint, which is not needed any more.
   void end_shared();

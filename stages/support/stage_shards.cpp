@@ -35,6 +35,10 @@ std::string Stage::save_shared() const {
          std::to_string(shared_->shard()->picture().units()) + " units of ";
 }
 
+void Stage::keep_shared() const {
+  if (shared_) shared_->keep();
+}
+
 void Stage::end_shared() {
   shared_->finish();
   shared_.reset();
