@@ -7,11 +7,9 @@
 #include <cstdio>
 #include <protostar/io/text.hpp>
 #include <stdexcept>
-#include <system_error>
 #include <vector>
 
 #include "message.hpp"
-#include "picture_file.hpp"
 
 using protostar::Gamma, protostar::Linear, protostar::Srgb, protostar::Transfer;
 using protostar::detail::number_of;
@@ -24,14 +22,6 @@ void print_usage_error(const std::string& program, const UsageError& error) {
 
 void refuse(const std::string& option, std::string_view found, const std::string& allowed) {
   throw UsageError(option, found_text(found) + " is not " + allowed);
-}
-
-void refuse_replacing(const std::string& option, const std::filesystem::path& output,
-                      const std::vector<std::filesystem::path>& files, const std::string& of_what) {
-  std::error_code error;  // of a file that cannot be read, which the reader tells
-  for (const std::filesystem::path& file : files)
-    if (std::filesystem::is_regular_file(file, error) && is_same_place(output, file))
-      refuse(option, output.string(), "another file than those of " + of_what);
 }
 
 Transfer read_transfer(std::string_view text) {

@@ -6,7 +6,6 @@
 #include <protostar/encode.hpp>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "command_line.hpp"
 #include "options.hpp"
@@ -19,10 +18,6 @@ void print_usage_error(const std::string& program, const UsageError& error);
 
 /// Throws a usage error, which names the option, the value found and the values allowed.
 [[noreturn]] void refuse(const std::string& option, std::string_view found, const std::string& allowed);
-
-/// Refuses an output that would replace one of the files of what is read, for example of "the scene".
-void refuse_replacing(const std::string& option, const std::filesystem::path& output,
-                      const std::vector<std::filesystem::path>& files, const std::string& of_what);
 
 protostar::Transfer read_transfer(std::string_view text);
 std::string name_of(const protostar::Transfer& transfer);

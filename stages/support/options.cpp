@@ -17,6 +17,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <system_error>
 #include <utility>
 #include <vector>
 
@@ -344,6 +345,14 @@ void check_sums(const SettingNames& names, Options& options, std::string_view cr
 }
 
 }  // namespace
+
+void refuse_replacing(const std::string& option, const std::filesystem::path& output,
+                      const std::vector<std::filesystem::path>& files, const std::string& of_what) {
+  std::error_code error;  // of a file that cannot be read, which the reader tells
+  for (const std::filesystem::path& file : files)
+    if (std::filesystem::is_regular_file(file, error) && is_same_place(output, file))
+      refuse(option, output.string(), "another file than those of " + of_what);
+}
 
 std::optional<Options> parse_options(int argc, const char* const* argv, const StageDefaults& defaults,
                                      const std::string& program, int& status) {

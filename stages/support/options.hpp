@@ -117,6 +117,10 @@ struct MergeOptions {
   std::optional<protostar::Transfer> own_transfer;
 };
 
+/// Refuses an output that would replace one of the files of what is read, for example of "the scene".
+void refuse_replacing(const std::string& option, const std::filesystem::path& output,
+                      const std::vector<std::filesystem::path>& files, const std::string& of_what);
+
 /// Reads the command line of merge, as parse_options does.
 std::optional<MergeOptions> parse_merge_options(int argc, const char* const* argv, const std::string& program,
                                                 int& status);
