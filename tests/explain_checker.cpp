@@ -32,6 +32,12 @@ std::string with_another_digit(std::string text, const std::string& key) {
   return text;
 }
 
+/// Returns what the checker says of an explanation, which it finds as b.json in a folder.
+Outcome checked(const TemporaryFolder& folder, const std::string& explanation) {
+  put_bytes(folder / "b.json", explanation);
+  return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+}
+
 }  // namespace
 
 TEST_CASE("the option --explain writes a file that docs/check_explanation finds right, wrong or unreadable") {
@@ -46,8 +52,7 @@ TEST_CASE("the option --explain writes a file that docs/check_explanation finds 
     std::string changed = text;
     const std::size_t at = changed.find(from);
     REQUIRE(at != std::string::npos);
-    put_bytes(folder / "b.json", changed.replace(at, from.size(), to));
-    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
+    return checked(folder, changed.replace(at, from.size(), to));
   };
   CHECK(check("", "").status == 0);
   struct Row {
@@ -265,14 +270,10 @@ TEST_CASE("the checker proves marches of fields with edges, from near and from f
       run_stage("render", "scene.json --pixel " + row.pixel + " --explain a.json --quiet", folder).status ==
       0);
   const std::string text = bytes_of(folder / "a.json");
-  const auto check = [&](const std::string& file) {
-    put_bytes(folder / "b.json", file);
-    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
-  };
-  const Outcome right = check(text);
+  const Outcome right = checked(folder, text);
   CHECK(right.err.empty());
   CHECK(right.status == 0);
-  const Outcome wrong = check(with_another_digit(text, row.key));
+  const Outcome wrong = checked(folder, with_another_digit(text, row.key));
   CHECK(wrong.status == 1);
   CHECK_THAT(wrong.err, ContainsSubstring(row.message));
 }
@@ -300,16 +301,12 @@ TEST_CASE("the checker takes the rays of a hit in the order in which the integra
   })");
   REQUIRE(run_stage("render", "scene.json --pixel 12,15 --explain a.json --quiet", folder).status == 0);
   const std::string text = bytes_of(folder / "a.json");
-  const auto check = [&](const std::string& file) {
-    put_bytes(folder / "b.json", file);
-    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
-  };
-  CHECK(check(text).err == "");
-  CHECK(check(text).out == "b.json: right\n");
+  CHECK(checked(folder, text).err == "");
+  CHECK(checked(folder, text).out == "b.json: right\n");
   // The directions of the shadow ray, and of the ray to the lamp.
   for (const std::string key : {"\"query\": \"any\"...\"direction\": [",
                                 "\"query\": \"closest\"...\"query\": \"closest\"...\"direction\": ["})
-    CHECK(check(with_another_digit(text, key)).status == 1);
+    CHECK(checked(folder, with_another_digit(text, key)).status == 1);
 }
 #endif
 
@@ -342,16 +339,12 @@ TEST_CASE("an explanation of several lights in one direction tells which shadow 
   for (std::size_t at = text.find(key); at != std::string::npos; at = text.find(key, at + 1))
     shadow_rays.push_back(text.substr(at + key.size(), text.find('\n', at) - at - key.size()));
   CHECK(shadow_rays == row.shadow_rays);
-  const auto check = [&](const std::string& file) {
-    put_bytes(folder / "b.json", file);
-    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
-  };
-  const Outcome right = check(text);
+  const Outcome right = checked(folder, text);
   if (right.status == 127) return;  // python3 is not installed
   CHECK(right.err == "");
   CHECK(right.status == 0);
   std::string changed = text;
-  const Outcome wrong = check(changed.replace(changed.rfind(key) + key.size(), 1, "7"));
+  const Outcome wrong = checked(folder, changed.replace(changed.rfind(key) + key.size(), 1, "7"));
   CHECK(wrong.status == 1);
   CHECK_THAT(wrong.err, ContainsSubstring("/shadow_ray is 7"));
 }
@@ -374,17 +367,14 @@ TEST_CASE("an explanation tells the time of rays with the shutter, though it be 
   REQUIRE(outcome.status == 0);
   CHECK_THAT(outcome.out, ContainsSubstring("\n    time " + time + "\n"));
   const std::string text = bytes_of(folder / "a.json");
-  const auto check = [&](const std::string& file) {
-    put_bytes(folder / "b.json", file);
-    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""});
-  };
-  const Outcome right = check(text);
+  const Outcome right = checked(folder, text);
   if (right.status == 127) return;  // python3 is not installed
   CHECK(right.err == "");
   CHECK(right.status == 0);
   std::string changed = text;
   const std::string before = "\"time\": " + time;
-  const Outcome wrong = check(changed.replace(changed.find(before), before.size(), "\"time\": 0.5"));
+  const Outcome wrong =
+      checked(folder, changed.replace(changed.find(before), before.size(), "\"time\": 0.5"));
   CHECK(wrong.status == 1);
 }
 #endif
@@ -398,10 +388,7 @@ TEST_CASE("an explanation has all triangles of a mesh, and the checker finds tho
   }
   REQUIRE(run_stage("17_mesh", "--pixel 300,260 --explain a.json --quiet", folder).status == 0);
   const std::string text = bytes_of(folder / "a.json");
-  const auto status_of = [&](const std::string& file) {
-    put_bytes(folder / "b.json", file);
-    return run({.program = explanation_checker, .arguments = {"b.json"}, .folder = folder / ""}).status;
-  };
+  const auto status_of = [&](const std::string& file) { return checked(folder, file).status; };
   CHECK(status_of(text) == 0);
 
   // A vertex of the triangle that is hit, among all vertices.

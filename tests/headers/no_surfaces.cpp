@@ -1,7 +1,6 @@
 // Tests a scene without any surface type. Compiled without the precompiled headers of the other tests, in
 // which g++ gives no warnings.
-#include <protostar/integrators/shadow.hpp>
-#include <protostar/integrators/transparency.hpp>
+#include <protostar/protostar.hpp>
 
 using namespace protostar;
 
@@ -14,5 +13,11 @@ int main() {
   const bool is_miss = !scene.intersect(ray) && !scene.occluded(ray) && !crossed;
   const bool is_background = ShadowIntegrator{}.radiance(ray, scene) == Color{0} &&
                              TransparencyIntegrator{}.radiance(ray, scene) == Color{1};
-  return is_miss && is_background ? 0 : 1;
+  const auto accelerated = accelerate(scene);
+  scene.set_sky(Color{0.5f});
+  Image image(3, 2), by_view(3, 2);
+  render(image, Camera{}, scene, WhittedIntegrator{});
+  render(by_view, Camera{}, accelerated, WhittedIntegrator{});
+  const bool is_drawn = image(2, 1) == Color{0.5f} && by_view(2, 1) == Color{0.5f};
+  return is_miss && is_background && is_drawn ? 0 : 1;
 }

@@ -48,7 +48,8 @@ class Accelerated<Scene<S...>> {
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
 
   /// Returns the closest crossing inside the range, with no surface if there is none.
-  [[nodiscard]] SurfaceCrossing closest_crossing(const Ray& ray, Interval range = {}) const {
+  [[nodiscard]] SurfaceCrossing closest_crossing([[maybe_unused]] const Ray& ray,
+                                                 [[maybe_unused]] Interval range = {}) const {
     require_same_surfaces();
     SurfaceCrossing first;
     (look_for_first<S>(ray, range, first), ...);
@@ -63,7 +64,7 @@ class Accelerated<Scene<S...>> {
   }
 
   /// Returns true if there is any crossing inside the range.
-  [[nodiscard]] bool occluded(const Ray& ray, Interval range = {}) const {
+  [[nodiscard]] bool occluded([[maybe_unused]] const Ray& ray, [[maybe_unused]] Interval range = {}) const {
     require_same_surfaces();
     return (occluded_by<S>(ray, range) || ...);
   }
@@ -79,6 +80,7 @@ class Accelerated<Scene<S...>> {
   [[nodiscard]] const Color& ambient() const { return scene_->ambient(); }
   [[nodiscard]] const std::optional<Color>& sky() const { return scene_->sky(); }
   [[nodiscard]] const Environment& environment() const { return scene_->environment(); }
+  /// Returns the version number of the scene's environment.
   [[nodiscard]] std::size_t environment_version() const { return scene_->environment_version(); }
 
   /// Returns the number of surfaces that the scene has now.
@@ -177,7 +179,7 @@ class Accelerated<Scene<S...>> {
   /// Calls visit(surface, k) for each surface, the k-th of the scene.
   void each_surface(const auto& visit) const {
     std::size_t index = 0;
-    const auto each_of = [&](const auto& surfaces) {
+    [[maybe_unused]] const auto each_of = [&](const auto& surfaces) {
       for (const auto& surface : surfaces) visit(surface, index++);
     };
     (each_of(scene_->template surfaces<S>()), ...);

@@ -33,16 +33,16 @@ namespace detail {
 
 /// Returns draw(target, options), which renders the view of a camera into the image or film of a target, by
 /// tiles. Borrows its arguments.
-template <Surface... S, class I>
-requires(sizeof...(S) > 0 && simd::TileIntegrator<I, simd::TileScene<S...>>)
-    [[nodiscard]] auto by_tiles(const Camera& camera, const Accelerated<Scene<S...>>& scene,
-                                const I& integrator) {
+template <Surface First, Surface... S, simd::TileIntegrator<simd::TileScene<First, S...>> I>
+[[nodiscard]] auto by_tiles(const Camera& camera, const Accelerated<Scene<First, S...>>& scene,
+                            const I& integrator) {
   return [&](const SampleTarget& target, const RenderOptions& options) {
-    simd::fill_by_tiles<I, S...>(target, camera, scene, integrator, options);
+    simd::fill_by_tiles<I, First, S...>(target, camera, scene, integrator, options);
   };
 }
 
-/// Does so ray by ray for a scene that names no type of surface: a tile has nothing to look for.
+/// Returns draw(target, options) that goes ray by ray, for a scene that names no type of surface: a tile has
+/// nothing to look for. Borrows its arguments.
 [[nodiscard]] auto by_tiles(const Camera& camera, const Accelerated<Scene<>>& scene, const auto& integrator) {
   return [&camera, radiance = radiance_in(scene, integrator)](const SampleTarget& target,
                                                               const RenderOptions& options) {

@@ -167,7 +167,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Lanes, and the largest number of vertices that wait for each other.
   static constexpr std::size_t lanes = simd::double_lanes, most_vertices = 8 * lanes;
 
-  /// Does what meet_each does for some paths, from `first` on, at most most_vertices.
+  /// Lets `count` paths from `first` on meet their hits as meet_each does, at most most_vertices.
   void meet_some(std::size_t first, std::size_t count, const auto& path, const auto& hit, const auto& numbers,
                  const auto& scene, std::span<bool> goes_on) const {
     Uninitialized<PathVertex, most_vertices> vertices;
