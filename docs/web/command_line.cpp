@@ -176,6 +176,7 @@ std::string CommandLine::Reader::help() const {
   const std::size_t column = 30;  // of the explanations
   std::string usage = description + "\nUsage: " + program + " [OPTIONS]", words, options;
   for (const Item& item : items) {
+    if (item.help.empty()) continue;
     std::string line = "  " + (item.name == "--help" ? "-h," : std::string()) + item.name;
     if (!item.type.empty()) line += " " + item.type;
     if (item.words) line += " ...";

@@ -19,7 +19,8 @@ CommandLine::~CommandLine() = default;
 
 void CommandLine::add_option(const std::string& name, std::string& value, const std::string& type,
                              const std::string& help) {
-  reader_->app.add_option(name, value, help)->type_name(type);
+  CLI::Option* const option = reader_->app.add_option(name, value, help)->type_name(type);
+  if (help.empty()) option->group("");
 }
 
 void CommandLine::add_flag(const std::string& name, bool& flag, const std::string& help) {

@@ -27,7 +27,8 @@ class CommandLine {
   CommandLine(const std::string& description, const std::string& program);
   ~CommandLine();
 
-  /// Declares an option with a value. `type` names the value for --help.
+  /// Declares an option with a value. `type` names the value for --help, which leaves out options without a
+  /// text: those that a program knows only to say why it refuses them.
   void add_option(const std::string& name, std::string& value, const std::string& type,
                   const std::string& help);
 

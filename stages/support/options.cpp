@@ -366,6 +366,7 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   PassTexts passes;
   bool confine = false;
   const bool of_scene = static_cast<bool>(defaults.read_scene);
+  const auto if_by_rays = [&](const std::string& help) { return defaults.fills_whole ? "" : help; };
   const auto or_of_scene = [&](const std::string& text) { return of_scene ? "the scene's" : text; };
 
   CommandLine line(
@@ -394,10 +395,10 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   file.add_to(line, or_of_scene(name_of(defaults.transfer)), defaults.plain ? ", as here without it" : "");
   line.add_option(
       "--shard", shard, "I/N|slurm|mpi",
-      "Draw a part of the samples, part I of N from 0 on, into a .shard file for merge; slurm and "
-      "mpi: I and N are those of the job");
+      if_by_rays("Draw a part of the samples, part I of N from 0 on, into a .shard file for merge; slurm and "
+                 "mpi: I and N are those of the job"));
   line.add_option("--checkpoint", checkpoint, "FILE",
-                  "Save the state of the work in this file, and go on from it if it is there");
+                  if_by_rays("Save the state of the work in this file, and go on from it if it is there"));
   line.add_option("--crop", crop, "X,Y,W,H", "Only W x H pixels of the picture, from column X and row Y on");
   if (!defaults.shows.empty()) {
     std::string names = defaults.integrator;
@@ -417,7 +418,8 @@ std::optional<Options> parse_options(int argc, const char* const* argv, const St
   line.add_option("--pixel", pixel, "X,Y",
                   "Draw nothing, but tell why this pixel, counted from 0,0 at the upper left, has its color");
   line.add_option("--explain", explain, "FILE.json", "With --pixel: a file for all of its numbers");
-  line.add_option("--rays", rays, "FILE.svg|FILE.obj", "With --pixel: a file for a drawing of its rays");
+  line.add_option("--rays", rays, "FILE.svg|FILE.obj",
+                  if_by_rays("With --pixel: a file for a drawing of its rays"));
   for (std::size_t i = 0; i < numbers.size(); ++i)
     line.add_option(options.numbers[i].name, numbers[i], "X",
                     options.numbers[i].help + " [" + in_digits(options.numbers[i].value, 6) + "]");
