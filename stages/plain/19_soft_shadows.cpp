@@ -359,7 +359,7 @@ Places hammersley(int n, int, int) {
   return places;
 }
 
-// The number of rays through each pixel, and how their places are chosen. With 1 it is the pixel's middle.
+// The number of rays through each pixel, and how their places are chosen.
 const int samples = 16;
 const auto places_in = hammersley;
 
