@@ -35,9 +35,12 @@ bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& 
   namespace fs = std::filesystem;
   const auto place = [](const fs::path& path) {
     std::error_code error;
-    // weakly_canonical leaves a relative path as it is if nothing of it exists.
+    // weakly_canonical leaves a relative path as it is if nothing of it exists, and a link to nothing.
     fs::path found = fs::absolute(path, error);
     if (!error) found = fs::weakly_canonical(found, error);
+    std::error_code is_nothing;
+    for (int links = 0; links < 40 && !error && fs::is_symlink(found, is_nothing); ++links)
+      found = fs::weakly_canonical(found.parent_path() / fs::read_symlink(found, error), error);
     return error ? path : found;  // an error is a link to itself, for example, which no file is written to
   };
   return place(a) == place(b);

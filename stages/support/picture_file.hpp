@@ -21,7 +21,8 @@ bool is_no_regular_file(const std::filesystem::path& path);
 /// writer, whose error says what it is. The option is named in the error.
 Options::Format format_of(const std::filesystem::path& path, const std::string& option);
 
-/// Returns true if two paths lead to the same place, whether there is a file or not: ./a.ppm and a.ppm do.
+/// Returns true if two paths lead to the same place, whether there is a file or not: ./a.ppm and a.ppm do,
+/// and a link and the name that it holds.
 /// Two hard links to a file do not, since each is replaced and removed by itself.
 bool is_same_place(const std::filesystem::path& a, const std::filesystem::path& b);
 

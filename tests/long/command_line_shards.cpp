@@ -129,6 +129,16 @@ TEST_CASE("wrong shards and checkpoints are usage errors, and nothing is drawn")
   }
 }
 
+TEST_CASE("a checkpoint is not the picture's file under the name of a link, even if there is no file yet") {
+  const TemporaryFolder folder;
+  fs::create_symlink("other", folder / "link");
+  fs::create_symlink("out.ppm", folder / "other");
+  const Outcome outcome = run_stage("13_whitted", "--size 8x8 --samples 4 --checkpoint link", folder);
+  CHECK(outcome.status == 2);
+  CHECK_THAT(outcome.err, ContainsSubstring("--checkpoint: 'link' is not another file than that of -o"));
+  CHECK(folder.count() == 2);
+}
+
 TEST_CASE("slurm and mpi read the number of the shard from the environment, if it is there and right") {
   struct Row {
     std::string word;
