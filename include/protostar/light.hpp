@@ -103,8 +103,9 @@ class Light {
   /// Returns the irradiance that the light, if nothing occludes it, brings to a point with this unit normal:
   ///   E = E⊥ · cos θ   with   cos θ = n·l/|l|,   l = towards(point);
   /// 0 if the light is behind the surface or in its plane. Very near a light it grows beyond all bounds, and
-  /// is clamped to most_irradiance. Nearer than 2^-537, where |l|² is 0, cos θ and a spotlight's share count
-  /// as 1 before the surface: sizes in a scene are 2^-400 or more (magnitude.hpp).
+  /// is clamped to most_irradiance. Nearer than 2^-537, where |l|² is 0, cos θ counts as 1 before the
+  /// surface, and the angle from a spotlight's axis as 0 or 180 degrees: sizes in a scene are 2^-400 or more
+  /// (magnitude.hpp).
   template <class V = Vec3>
   [[nodiscard]] auto irradiance(const V& point, const V& normal) const {
     const V l = towards(point);
