@@ -23,7 +23,7 @@ struct RenderStatistics {
   std::uint64_t surface_tests = 0;   ///< tests of rays with surfaces in double, or with visibility buffers
   std::uint64_t in_doubt = 0;        ///< tests in packets that double left in doubt, decided ray by ray
   std::uint64_t exact = 0;           ///< decisions that double left in doubt, made without rounding
-  std::uint64_t undecided = 0;       ///< decisions about marched surfaces that more digits left open, too
+  std::uint64_t undecided = 0;       ///< decisions about marched surfaces and tori that more digits left open
   std::uint64_t pixels_skipped = 0;  ///< samples that have a color without a camera ray
 
   RenderStatistics& operator+=(const RenderStatistics& other) {

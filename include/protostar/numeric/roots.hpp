@@ -64,8 +64,9 @@ class Roots {
 struct Fallbacks {
   std::uint64_t exact = 0;          ///< decided without rounding
   std::uint64_t double_double = 0;  ///< decided in double-double
-  /// Left open by double-double, for surfaces that are marched: a ray that touches one, which is taken for a
-  /// hit, and crossings that are equal to the last digit, which are taken in the order of the scene.
+  /// Left open by double-double, for surfaces whose roots are enclosed, marched ones and tori: a ray that
+  /// touches one, which is taken for a hit, and crossings that are equal to the last digit, which are taken
+  /// in the order of the scene.
   std::uint64_t undecided = 0;
 };
 inline thread_local Fallbacks fallbacks;
