@@ -150,8 +150,9 @@ struct Camera {
   }
 
   /// Returns this camera, a pinhole, with a lens instead: look_at(...).with_lens(0.1, 5). With an aperture of
-  /// 0 it stays a pinhole. Throws std::invalid_argument if the aperture is negative or not finite, if the
-  /// distance of focus is not greater than 0 and finite, or if rays do not start at one point.
+  /// 0 it stays as it is. Throws std::invalid_argument if the aperture is negative or not finite, if the
+  /// distance of focus is not greater than 0 and finite, if the aperture is above 0 and the camera has a
+  /// film, or as validate does.
   [[nodiscard]] Camera with_lens(double radius, double distance) const {
     require_length("focus", distance);
     Camera camera = *this;
@@ -221,12 +222,14 @@ struct Camera {
     Vec3 right, up;
     double u_shift, v_shift;
   };
+  /// Returns the lens. Precondition: right and up are not 0, as for any camera with a lens.
   [[nodiscard]] Lens lens() const {
     const double a = length(right), b = length(up);
     return {aperture / a * right, aperture / b * up, aperture / focus / a, aperture / focus / b};
   }
 
   /// Returns the ray of time 0 through the film at (u, v) from a point of the lens, given in the unit disk.
+  /// Precondition: the camera has no film, which this ray would not start on.
   [[nodiscard]] Ray operator()(double u, double v, const Uv& at) const {
     const Lens of = lens();
     return {at.x * of.right + at.y * of.up + position,
