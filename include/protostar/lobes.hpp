@@ -1,7 +1,9 @@
-// Lobes: the ways in which a surface scatters light, each drawn by chance with two or three numbers.
+// Lobes: the ways in which a surface scatters light.
 //
 // The light that a surface sends back along a ray is a sum of lobes. A path follows one of them, and each has
-// a function that draws the direction in which the path goes on.
+// a function `sample` that draws the direction in which the path goes on: a matte and a glossy lobe by two
+// numbers, glass by one, which decides between two directions, and a mirror, which has one direction, by
+// none.
 #pragma once
 
 #include <algorithm>
