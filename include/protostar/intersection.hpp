@@ -32,7 +32,7 @@ struct Crossing {
 /// Departure::surface names. surface.hpp has one such table for each type.
 struct SurfaceFunctions {
   /// Maps a point in the scene at a time back to the pose in which the moving surface was defined. The
-  /// functions below that take a point expect that one. Null for surfaces that do not move.
+  /// functions below that take a point expect that one. Null for types of surfaces that never move.
   Point (*at_rest)(const void* surface, const Point& point, double time);
   Vec3 (*normal_at)(const void* surface, const Point& point, int primitive);
   Uv (*uv_at)(const void* surface, const Point& point, int primitive);

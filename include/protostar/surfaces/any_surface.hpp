@@ -11,9 +11,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Holds a copy of a surface and forwards to it through virtual calls. It offers all that the surface offers;
-/// roots and departures stay as exact as they are. Copying it copies the surface; a moved-from one may only
-/// be assigned to.
+/// Holds a copy of a surface and forwards to it through virtual calls: all that decides hits, and all that is
+/// known at them. Roots and departures stay as exact as they are. Members that only save time are not passed
+/// on: equations of packets, normals that are computed once, rasterizing. Copying it copies the surface; a
+/// moved-from one may only be assigned to.
 ///
 /// Constructing one compiles all functions of the surface. A program that does so in several translation
 /// units may compile them once: `extern template AnySurface::AnySurface(Box)`.
