@@ -1,7 +1,8 @@
 // Fields written down: a number type that keeps the operations of a field in place of numbers.
 //
 //   FieldTape tape;
-//   tape.record([](const auto& p) { return length(p) - 1.0; });   // x, y, z, length, 1, difference
+//   tape.record([](const auto& p) { return length(p) - 1.0; });
+//   // x, y, z, length, constant, difference, result
 //
 // A field has no branches that depend on values, since its number types have no comparisons (plain.hpp). So
 // one call writes down all that it ever does, and another program can evaluate it, in any arithmetic.
