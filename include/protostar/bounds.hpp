@@ -20,9 +20,9 @@ struct Bounds {
   return {rounded.min - 0x1p-52 * abs(rounded.min), rounded.max + 0x1p-52 * abs(rounded.max)};
 }
 
-/// Tests whether the line of a ray without errors surely passes a box: seen along the line and one axis, the
-/// center is farther from it than the box reaches. With u = 2^-53, w has an error of at most 2u (|o| + |w|),
-/// and the half sides one of 2u (|o| + |w| + half), as |min| and |max| are at most |o| + |w| + half; a
+/// Tests whether the line of a ray without errors surely has no point in a box: projected along one axis, the
+/// line is farther from the center than the box reaches. With u = 2^-53, w has an error of at most 2u (|o| +
+/// |w|), and the half sides one of 2u (|o| + |w| + half), as |min| and |max| are at most |o| + |w| + half; a
 /// component of w × d has 2u of its terms besides. 2^-49 of all is twice as much and more, 2^-1000 exceeds
 /// underflow, and the comparison of what is infinite or NaN fails.
 [[nodiscard]] inline bool surely_misses(const auto& ray, const Bounds& box) {

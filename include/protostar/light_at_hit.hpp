@@ -89,7 +89,8 @@ struct Reflector {
   /// be traced if the share counts. It is always inlined, as frame_around is.
   [[nodiscard, gnu::always_inline]] LightShare share_of_ray(const Vec3& direction, double density,
                                                             double weight) const {
-    // The limit is a float, so that black stays black, and no light that is likely to be chosen exceeds it.
+    // With a limit that a float holds, black stays black (0 · ∞ is NaN). No light that is likely to be chosen
+    // exceeds it.
     constexpr double largest_factor = most_irradiance;
     const double height = is_matte ? vertex.normals.height(direction) : 0;
     LightShare share{std::min(weight * height / (std::numbers::pi * density), largest_factor)};
