@@ -499,6 +499,10 @@ TEST_CASE("a CSG tree may consist of AnySurface, of instances and of a thousand 
                tree = union_of({ball(0), std::move(tree)});
              }),
              ContainsSubstring("1000 deep inside each other, and these are 1001"));
+  CHECK_THAT(message_of<std::invalid_argument>([] {
+               static_cast<void>(Csg(Csg::Operation::none, {ball(0), ball(9)}));
+             }),
+             ContainsSubstring("by either, all or first_alone, and not by none"));
   std::vector<Csg> many;
   for (int i = 0; i < 3000; ++i) many.push_back(slab(2 * i, 2 * i + 1));
   CHECK(crossings_of_solid(union_of(std::move(many)), along_x(-1)).size() == 6000);

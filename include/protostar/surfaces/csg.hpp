@@ -33,6 +33,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// crosses it: it is in both boxes, as their outline belongs to them.
 class Csg {
  public:
+  /// Union, intersection and difference; none stands for a solid by itself in descriptions of trees.
   enum class Operation : std::uint8_t { none, either, all, first_alone };
 
   /// Largest number of operations nested in each other.
@@ -70,10 +71,12 @@ class Csg {
     bounds_ = leaves_[0].solid.bounds();
   }
 
-  /// Combines trees by an operation. Throws std::invalid_argument if there are none, if the new tree is too
-  /// deep, or if it has too many solids, or more primitives than an int counts.
+  /// Combines trees by an operation. Throws std::invalid_argument if there are no trees, if the operation is
+  /// none, if the new tree is too deep, or if it has too many solids, or more primitives than an int counts.
   Csg(Operation operation, std::vector<Csg> operands) {
     if (operands.empty()) throw std::invalid_argument("Csg: an operation needs a solid");
+    if (operation == Operation::none)
+      throw std::invalid_argument("Csg: solids are combined by either, all or first_alone, and not by none");
     for (Csg& operand : operands) append(std::move(operand), operation);
     for (Node& node : nodes_)
       if (node.parent < 0) node.parent = static_cast<int>(nodes_.size());
