@@ -176,9 +176,8 @@ namespace detail {
 /// magnitudes above 1 − 2^-100 count as that.
 [[nodiscard]] inline DoubleDouble logarithm_over(DoubleDouble x) {
   if (const DoubleDouble size = abs(x); size.hi >= 0x1p-6) {
-    const DoubleDouble log_2{0x1.62e42fefa39efp-1, 0x1.abc9e3b39803fp-56};
-    if (!((1.0 - size).hi > 0x1p-100)) return log_2 * log2(DoubleDouble(0x1p101));
-    return log_2 * log2((1.0 + x) / (1.0 - x)) / x;
+    if (!((1.0 - size).hi > 0x1p-100)) return ln_2 * log2(DoubleDouble(0x1p101));
+    return ln_2 * log2((1.0 + x) / (1.0 - x)) / x;
   }
   const DoubleDouble square = x * x;
   DoubleDouble sum = 1 / 17.0;
