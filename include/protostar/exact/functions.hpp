@@ -12,6 +12,7 @@
 
 #include "../numeric/double_double.hpp"
 #include "../numeric/power.hpp"
+#include "../numeric/radians.hpp"
 #include "enclosure.hpp"
 #include "lipschitz.hpp"
 #include "plain.hpp"
@@ -51,7 +52,8 @@ inline constexpr double ln_2_parts[] = {0x1.62e42feep-1, 0x1.a39ef35793c76p-33};
 inline constexpr double precise_ln_2[] = {0x1.62e42feep-1, 0x1.a39ef356p-33, 0x1.93c76730p-65,
                                           0x1.f97b57a079a19p-103};
 
-/// Returns c[0] + c[1] x + c[2] x² + ….
+/// Returns c[0] + c[1] x + c[2] x² + …, with products and sums that are rounded one by one, where polynomial
+/// (numeric/power.hpp) fuses them.
 template <class R, std::size_t n>
 [[nodiscard]] R series(const double (&c)[n], const R& x) {
   R sum = c[n - 1];
@@ -79,12 +81,8 @@ class Sines {
     turns_ = rounding::nearest_integer(x * R(0x1.45f306dc9c883p-1));
     const R r = ((x - turns_ * R(half_pi[0])) - turns_ * R(half_pi[1])) - turns_ * R(half_pi[2]);
     const R s = r * r;
-    sine_ = r + r * (s * series({-1 / 6.0, 1 / 120.0, -1 / 5040.0, 1 / 362880.0, -1 / 39916800.0,
-                                 1 / 6227020800.0, -1 / 1307674368000.0, 1 / 355687428096000.0},
-                                s));
-    cosine_ = R(1.0) + s * series({-1 / 2.0, 1 / 24.0, -1 / 720.0, 1 / 40320.0, -1 / 3628800.0,
-                                   1 / 479001600.0, -1 / 87178291200.0, 1 / 20922789888000.0},
-                                  s);
+    sine_ = r + r * (s * series(sine_terms, s));
+    cosine_ = R(1.0) + s * series(cosine_terms, s);
   }
 
   [[nodiscard]] R at(double quarter) const {
@@ -137,7 +135,7 @@ class Sines<DoubleDouble> {
 /// for NaN that of −600.
 ///
 /// e^x = 2^k e^r for the integer k next to x / ln 2 and r = x − k ln 2, |r| < 0.35. The first difference is
-/// exact, as that of sine_of; the second, with its product, is off by u/3. The series up to r^13/13! lacks
+/// exact, as that of Sines; the second, with its product, is off by u/3. The series up to r^13/13! lacks
 /// less than 2^-57. r + r² q is off by 0.6u, of q below 0.07/r² with 4u and a sum below 0.42, and the sum
 /// with 1 by u of itself. Relative to e^r ≥ 0.7 that is u + 0.6u/0.7 + u/3.
 [[nodiscard]] inline double exponential_of(double x) {
