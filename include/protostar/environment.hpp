@@ -41,15 +41,15 @@ class Environment {
   /// Returns true if there is a function.
   [[nodiscard]] explicit operator bool() const { return by_direction_ || by_uv_; }
 
-  /// Returns the radiance from a unit direction.
+  /// Returns the radiance from a unit direction. Precondition: there is a function.
   [[nodiscard]] Color operator()(const Vec3& direction) const {
     if (by_direction_) return by_direction_(direction);
     const Uv uv = environment_uv(direction);
     return by_uv_(uv.x, uv.y);
   }
 
-  /// Returns an image of the radiance in the middle of each cell of a grid over u and v. Sine and cosine of
-  /// an angle are computed once for a column or row.
+  /// Returns an image of the radiance in the middle of each cell of a grid over u and v. Precondition: there
+  /// is a function. Sine and cosine of an angle are computed once for a column or row.
   [[nodiscard]] Image image(int columns, int rows) const {
     const auto middle = [](int cell, int cells) { return (cell + 0.5) / cells; };
     std::vector<SineCosine> longitudes;

@@ -46,7 +46,8 @@ struct LobeShares {
     double share;
   };
 
-  /// Chooses a lobe, with a probability in proportion to its share; none if all shares are 0.
+  /// Chooses a lobe by a number in [0, 1), with a probability in proportion to its share; none if all shares
+  /// are 0. The number becomes one for the next question (decide), or stays if there was no choice.
   [[nodiscard]] Choice choose(double& number) const {
     if (!(whole() > 0)) return {Lobe::none, whole()};
     if (diffuse == whole()) return {Lobe::diffuse, diffuse};  // the number stays as it is

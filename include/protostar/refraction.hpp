@@ -19,7 +19,7 @@ template <class V>
 template <class V, class Answer>
 struct Refraction {
   Answer passes;  ///< if false, all light is reflected
-  V direction;
+  V direction;    ///< not a number if it does not pass
 };
 
 /// Returns the unit direction d after it has passed a surface whose unit normal faces it (n·d ≤ 0), by

@@ -36,7 +36,8 @@ struct AmbientOcclusionIntegrator : FirstHit<AmbientOcclusionIntegrator> {
 
   [[nodiscard]] Color background(const auto&, const auto&) const { return Color{1}; }
 
-  /// Takes two numbers of the sampler's set 1.
+  /// Returns the light of the sky along one direction, drawn by two numbers of the sampler's set 1: white, or
+  /// black where a surface within the distance is in its way.
   [[nodiscard]] Color shade(const Intersection& hit, const auto& scene, const auto& sampler) const {
     const Bounce bounce = DiffuseLobe{Color{1}}.sample(Vertex(hit), sampler(1));
     const bool sees_sky =

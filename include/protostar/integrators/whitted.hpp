@@ -59,6 +59,7 @@ struct WhittedIntegrator {
   /// high.
   std::int64_t most_rays = std::int64_t{1} << 22;
 
+  /// Returns the radiance along a camera's ray, which begins a path.
   [[nodiscard]] Color radiance(const Ray& ray, const Traceable auto& scene) const {
     detail::whitted_rays_left = most_rays;
     return trace_path(ray, scene, depth);

@@ -20,10 +20,12 @@ struct Affine {
   Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};  ///< images of the axes' unit vectors
   Vec3 translation{0};                      ///< image of the coordinate origin
 
+  /// Returns the image of a direction, which the translation does not change, or of a point.
   [[nodiscard]] Vec3 vector(const Vec3& v) const { return v.x * x + v.y * y + v.z * z; }
   [[nodiscard]] Point point(const Point& p) const { return vector(p) + translation; }
 
-  // This map followed by another one: Affine{}.scaled_by({2, 1, 1}).rotated_about({0, 1, 0}, 30).
+  /// Returns this map followed by a scaling along the axes, whose factors may be negative. Calls are chained
+  /// in the order of the maps: Affine{}.scaled_by({2, 1, 1}).rotated_about({0, 1, 0}, 30).
 
   [[nodiscard]] Affine scaled_by(const Vec3& factors) const {
     return {factors * x, factors * y, factors * z, factors * translation};
@@ -42,6 +44,7 @@ struct Affine {
     return {turned(x), turned(y), turned(z), turned(translation)};
   }
 
+  /// Returns this map followed by a translation.
   [[nodiscard]] Affine moved_by(const Vec3& way) const { return {x, y, z, translation + way}; }
 };
 
@@ -85,6 +88,8 @@ class AffineInverse {
               is_finite(rows_[0]) && is_finite(rows_[1]) && is_finite(rows_[2]);
   }
 
+  /// Returns true if the map has an inverse, and all numbers of both are finite. If not, nothing is mapped
+  /// right.
   [[nodiscard]] bool exists() const { return exists_; }
 
   /// Returns the map that this is the inverse of.

@@ -14,6 +14,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
+/// Sine and cosine of an angle, by default of 0.
 struct SineCosine {
   double sine = 0, cosine = 1;
 };

@@ -12,7 +12,7 @@
 namespace protostar::inline PROTOSTAR_ABI {
 
 /// Returns the exponent e for which the largest component of some vectors, times 2^-e, is in [1/2, 1); if all
-/// are 0, an exponent below that of any double.
+/// are 0, an exponent below that of any double. It may be any number if a component is not finite.
 [[nodiscard]] inline int exponent_of(std::initializer_list<Vec3> vectors) {
   double largest = 0;
   for (const Vec3& v : vectors) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});

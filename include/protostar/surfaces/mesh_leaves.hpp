@@ -24,6 +24,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
+/// Numbers of the triangles of a tree, leaf by leaf.
 class TriangleLeaves {
   /// Returns f(the numbers), whether they are float or double.
   decltype(auto) with_rows(const auto& f) const {
