@@ -47,7 +47,8 @@ struct Sphere {
 };
 
 /// Distance from a plane, below 0 behind it: n · p − distance, for the unit vector n along normal. Doubles
-/// seldom hold a unit vector, so the field is off by a share of 2^-52.
+/// seldom hold a unit vector; the length of one that validate() accepts, and so the field, is off by a share
+/// of less than 2^-50.
 struct Plane {
   Vec3 normal{0, 1, 0};  ///< a unit vector
   double distance = 0;   ///< of the plane from the origin, along the normal; of any sign
@@ -99,7 +100,7 @@ struct RoundedBox {
 };
 
 /// Distance from a torus around the y axis: the distance of (|(x, z)| − radius, y) from a circle of the
-/// tube's radius.
+/// tube's radius. If the tube is wider than the radius, it is only a bound inside.
 struct Torus {
   double radius = 1;   ///< radius of the circle in the middle of the tube
   double tube = 0.25;  ///< radius of the tube
