@@ -434,6 +434,16 @@ TEST_CASE("a ray that float cannot represent is marked as not usable") {
   CHECK_FALSE(usable({Point{1e30}, Vec3{1}}));
   CHECK_FALSE(usable({Point{0, 0, infinity}, Vec3{1}}));
   CHECK_FALSE(usable({Point{0, std::nan(""), 0}, Vec3{1}}));
+
+  // In huge trees, unit vectors are held, and others if they are long enough, and have squares.
+  const auto usable_among = [](double size, const Vec3& direction) {
+    return BoxRay({Point{0.5 * size}, direction}, simd::BoxSpace({Point{-size}, Point{size}}), 0).usable;
+  };
+  for (const double size : {0x1p399, 0x1p401, 0x1p1000, 0x1p1023}) CHECK(usable_among(size, {0, 0.6, 0.8}));
+  CHECK(usable_among(0x1p398, {0, 6, 8}));
+  CHECK_FALSE(usable_among(0x1p403, {0, 6, 8}));
+  CHECK(usable_among(0x1p900, {0, 0x1p511, 0}));
+  CHECK_FALSE(usable_among(0x1p900, {0, 0x1p512, 0}));
 }
 
 TEST_CASE("a sphere's bounds contain it, rounding included") {

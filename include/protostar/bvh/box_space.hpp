@@ -59,7 +59,7 @@ struct Box {
 
 /// Map of the world into box space: x becomes (x − center) · scale. The scale is a power of two, so that only
 /// the difference is rounded, by 2^-53 of itself. Surfaces of a program's own may be as large as doubles are;
-/// rays among those beyond 2^912 are not usable (BoxRay), as their lengths have no squares.
+/// beyond 2^399, only rays with nearly unit or with long directions are usable (BoxRay::usable).
 struct BoxSpace {
   Point center{0};
   double scale = 1;
@@ -95,7 +95,8 @@ struct BoxRay {
   double length;             ///< length of the ray's direction in box space
 
   /// True if float can hold the ray. If not, it is taken to meet every box: one that starts 2^60 units or
-  /// more from the center, or whose direction is shorter than 2^-400, longer than 2^400, or not finite.
+  /// more from the center, or whose direction, unless it is nearly a unit vector in the world, is not between
+  /// 2^-400 and 2^400 long in box space, shorter than 2^-400 in the world, or has no finite square.
   bool usable;
 
   /// Maps a ray; all primitives are widened by `widen`, a length in the world.
