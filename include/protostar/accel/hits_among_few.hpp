@@ -64,7 +64,8 @@ class HitsAmongFew : public TileHits<S...> {
   static constexpr bool is_tested_in_lanes =
       takes_packets<T> && !SurfaceOfLanes<T> && !is_made_of_primitives<T>;
 
-  /// True if there are such types, and all others come behind them in the scene's order.
+  /// True if there are such types, all others come behind them in the scene's order, and there are lanes for
+  /// three rays or more: two are traced as fast one after the other.
   static constexpr bool tests_in_lanes = [] {
     bool any = false, any_other = false, in_order = true;
     ((is_tested_in_lanes<S> ? (any = true, in_order = in_order && !any_other) : (any_other = true)), ...);
@@ -76,12 +77,13 @@ class HitsAmongFew : public TileHits<S...> {
     return ((is_tested_in_lanes<S> ? scene_.template surfaces<S>().size() : 0) + ...);
   }
 
-  /// Finds the closest hits of some rays: ray(k) is the k-th, and its hit becomes *place(k), which is not
-  /// initialized, as by make_hit. All surfaces of types that are tested in lanes are tested, and then the
-  /// accelerated scene looks for closer hits on others. The surface that a ray leaves is tested with that ray
-  /// alone, which knows its departure, and so is each surface that coincides with it: far from the scene's
-  /// origin, the rounded origin of the ray is certainly off that surface, and a test in lanes would be sure
-  /// of a wrong hit. Planes are not crossed again. The accelerated scene answers for rays in doubt.
+  /// Finds the closest hits of 1 to double_lanes rays in a scene of at most few_surfaces surfaces: ray(k) is
+  /// the k-th, and its hit becomes *place(k), which is not initialized, as by make_hit. All surfaces of types
+  /// that are tested in lanes are tested, and then the accelerated scene looks for closer hits on others. The
+  /// surface that a ray leaves is tested with that ray alone, which knows its departure, and so is each
+  /// surface that coincides with it: far from the scene's origin, the rounded origin of the ray is certainly
+  /// off that surface, and a test in lanes would be sure of a wrong hit. Planes are not crossed again. The
+  /// accelerated scene answers for rays in doubt.
   void intersect_in_lanes(std::size_t count, const auto& ray, const auto& place) const {
     constexpr auto lanes = static_cast<std::size_t>(double_lanes);
     std::array<double, lanes> numbers[7];
