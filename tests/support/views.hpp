@@ -8,9 +8,6 @@
 
 #include "random.hpp"
 
-/// Returns a number in (0, 1), as samplers give it.
-inline double inner(Random& random) { return (static_cast<double>(random.bits() >> 32) + 0.5) * 0x1p-32; }
-
 /// Returns the solid angle of a triangle as seen from a point by the formula of Van Oosterom and Strackee in
 /// double-double: the arc tangent of a quotient in which the numerator is a triple product.
 inline double solid_angle_by_quotient(const protostar::Point& from,

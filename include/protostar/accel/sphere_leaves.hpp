@@ -34,10 +34,10 @@
 
 namespace protostar::inline PROTOSTAR_ABI::simd {
 
-/// Spheres of the leaves of a BVH, or spheres around its surfaces, as rows of floats in box space.
+/// Spheres of the leaves of a BVH, as rows of floats in box space.
 class SphereLeaves {
  public:
-  SphereLeaves() = default;
+  /// Copies the spheres of a tree: sphere_of(i) is the i-th, which has bounds.
   SphereLeaves(const Bvh& bvh, const auto& sphere_of, const RenderOptions& options)
       : rows_(4 * bvh.order().size() + static_cast<std::size_t>(float_lanes)) {
     std::fill_n(rows_.end() - float_lanes, float_lanes, 0.0f);  // padding, read behind the last sphere
@@ -67,7 +67,8 @@ class SphereLeaves {
   }
 
   /// Returns how a ray passes the spheres from the i-th of a leaf on, as many as a vector holds; lanes behind
-  /// the last of the leaf are of no sphere. A reach may be off by 2^-19 of itself in what is asked then.
+  /// the last of the leaf are of no sphere. A Reach is up to 2^-19 of itself wider than the range that it
+  /// stands for (BoxRay): to ask what is surely within the range, narrow it by more.
   [[nodiscard, gnu::always_inline]] SpherePass pass(Leaf leaf, std::uint32_t i, const BoxRay& ray) const {
     const float* const row = &rows_[4 * std::size_t{leaf.first} + i];
     const auto from_origin = [&](int axis) {
@@ -132,6 +133,7 @@ class FewSpheres {
 
   /// Returns the spheres that the ray does not surely miss, by the bounds of its equation. A sphere that the
   /// ray departs from is always among them: its departure decides, not the digits of its origin.
+  /// Precondition: has_all().
   [[nodiscard]] Bits met(const Ray& ray, const Interval& range) const {
     Bits met = 0;
     for (std::size_t i = 0; i < count_; i += double_lanes) {

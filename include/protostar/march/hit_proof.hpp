@@ -44,8 +44,6 @@ struct ProvenRoots {
   M met = false;
   R min = 0.0, max = 0.0;
 };
-template <class Line>
-using RootsOf = ProvenRoots<typename Line::Number, typename Line::Truth>;
 
 /// Tests whether an enclosure [a, b] of t is at most enclosure_width · |t| wide for each t in it.
 template <class R>

@@ -37,8 +37,6 @@ struct NoTrace {
   void proven(MarchProof, double /*a*/, double /*b*/) {}
 };
 
-struct MarchSetup;
-
 /// Trace that is called through virtual functions, so that one can be given to a march of any field. It takes
 /// parameters t with all of their digits; other traces take the nearest doubles. Its evaluated() takes the
 /// result of the evaluation as well: an enclosure of the value, or for a plain value in double that value as
