@@ -48,17 +48,7 @@ struct SurfacesAround {
 /// Function that is told of some surfaces at a time.
 using VisitSurfaces = FunctionRef<void(const SurfacesAround&)>;
 
-/// Returns true if a surface has finite bounds. The leaves of a BVH hold just these surfaces.
-template <Surface S>
-[[nodiscard]] bool has_bounds(const S& surface) {
-  if constexpr (SurfaceWithBounds<S>) {
-    return is_finite(surface.bounds());
-  } else {
-    return false;
-  }
-}
-
-/// Returns a sphere around a surface. Its radius is infinite if the surface has no bounds.
+/// Returns a sphere around a surface. Its radius is infinite if the surface has no bounds, or infinite ones.
 template <Surface S>
 [[nodiscard]] SphereAround sphere_around(const S& surface) {
   if constexpr (std::same_as<S, Sphere>) {
@@ -66,8 +56,9 @@ template <Surface S>
   } else if constexpr (!SurfaceWithBounds<S>) {
     return {Point{0}, infinity};
   } else {
-    if (!has_bounds(surface)) return {Point{0}, infinity};
-    const auto [min, max] = surface.bounds();
+    const Bounds bounds = surface.bounds();
+    if (!is_finite(bounds)) return {Point{0}, infinity};
+    const auto& [min, max] = bounds;
     const Vec3 half = 0.5 * max - 0.5 * min;
     const Point center = min + half;
     // The center is off by one rounding of each component, the length by three roundings of itself.
