@@ -226,7 +226,8 @@ class Finder<Sphere> {
       }
       return false;
     };
-    each_along<Order::near_first>(bvh_, ray, range, visit_other, visit_leaf, prefetcher());
+    each_along<Order::near_first>(bvh_, ray, range, visit_other, visit_leaf,
+                                  [&](Leaf leaf) { leaves_.fetch(leaf); });
     if (waiting_near < infinite) visit(waiting);
   }
 
@@ -256,12 +257,6 @@ class Finder<Sphere> {
  private:
   static constexpr float infinite = std::numeric_limits<float>::infinity();
   static constexpr std::uint32_t nowhere = ~std::uint32_t{0};  ///< position of no sphere
-
-  struct Fetch {
-    const SphereLeaves& leaves;
-    void operator()(Leaf leaf) const { leaves.fetch(leaf); }
-  };
-  [[nodiscard]] Fetch prefetcher() const { return {leaves_}; }
 
   /// Returns the indices of the surfaces from a position in the order of the leaves on.
   [[nodiscard]] SurfaceIndices indices_at(std::size_t from) const {
