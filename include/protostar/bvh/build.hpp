@@ -233,6 +233,7 @@ class TreeBuilder {
     }
   }
 
+  /// Returns the sums of the primitives in each slice.
   [[nodiscard, gnu::noinline]] Slices sliced(const Slicing& slicing, std::size_t first,
                                              std::size_t last) const {
     Slices slices(slicing.count);
@@ -261,6 +262,8 @@ class TreeBuilder {
     return of_parts[0];
   }
 
+  /// Cuts a range where that costs least, and brings the primitives of either side together; cuts it into
+  /// halves if all middles are in one place.
   [[nodiscard]] Halves cut_by_cost(const Range& range, const RenderOptions& threads) {
     const int slices = range.count() < 16 ? 4 : range.count() < 64 ? 8 : most_slices;
     const Slicing slicing(range.middles, slices);
@@ -272,11 +275,12 @@ class TreeBuilder {
     int best_axis = -1, best_cut = 0;
     for (int axis = 0; axis < 3; ++axis) {
       if (slicing.step[axis] == 0) continue;
+      // No side of a cut is empty: the least middle is in the first slice, the largest in the last (Slicing).
       float right_cost[most_slices];
       Slice part = Slice::nothing();
       for (int cut = slices - 1; cut > 0; --cut) {
         part.add(slice[axis][cut]);
-        right_cost[cut] = part.count == 0 ? 0 : part.box.area() * static_cast<float>(part.count);
+        right_cost[cut] = part.box.area() * static_cast<float>(part.count);
       }
       part = Slice::nothing();
       for (int cut = 1; cut < slices; ++cut) {
@@ -305,6 +309,8 @@ class TreeBuilder {
     Box middles[2];
   };
 
+  /// Brings the primitives for which is_right(box) is false to the front of a range, and the others behind
+  /// them.
   [[nodiscard, gnu::noinline]] Divided divided(std::uint32_t first, std::uint32_t last,
                                                const auto& is_right) {
     // The primitives between `middle` and i belong to the right, so that swapping does no harm: there is no
@@ -359,6 +365,7 @@ class TreeBuilder {
     std::swap(tree_.order[i], tree_.order[j]);
   }
 
+  /// Returns the halves of a range, in the order that its primitives have.
   [[nodiscard]] Halves halves(const Range& range) const {
     const std::uint32_t middle = range.first + range.count() / 2;
     return {range_of(range.first, middle), range_of(middle, range.last)};
