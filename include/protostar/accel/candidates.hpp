@@ -146,7 +146,7 @@ class Candidates {
     make_room(size_ + others.size_);
     others.each_seen(frustum, [&](int i, Bits seen) {
       for (int row = 0; row < row_count; ++row)
-        store_chosen(address_of(Row(row), size_), seen, Wide::load(others.address_of(Row(row), i)));
+        store_chosen(address_of(Row(row), size_), seen, WideFloats::load(others.address_of(Row(row), i)));
       size_ += store_chosen(index_.data() + size_, seen,
                             Lanes<std::uint32_t, float_lanes>::load(others.index_.data() + i));
     });
@@ -195,8 +195,6 @@ class Candidates {
   void sort(Order order) { order == Order::near_to_far ? order_by_distance() : order_by_index(); }
 
  private:
-  using Wide = Lanes<float, float_lanes>;
-
   /// Numbers of a surface, a row for each: those of CandidateSphere, h, and nearest().
   enum Row { row_x, row_y, row_z, row_reach, row_inner, row_margin, row_horizon, row_nearest, row_count };
 
@@ -204,13 +202,13 @@ class Candidates {
   /// is the position of the first, and bit k of `seen` is set if surface i + k may be seen.
   [[gnu::always_inline]] void each_seen(const Frustum& frustum, const auto& visit) const {
     for (int i = 0; i < size_; i += float_lanes) {
-      const auto load = [&](Row row) { return Wide::load(address_of(row, i)); };
-      const Wide x = load(row_x), y = load(row_y), z = load(row_z), r = load(row_reach);
+      const auto load = [&](Row row) { return WideFloats::load(address_of(row, i)); };
+      const WideFloats x = load(row_x), y = load(row_y), z = load(row_z), r = load(row_reach);
       const auto along = [&](const Frustum::Normal& n) {
-        return fused_or_not(z, Wide(n[2]), fused_or_not(y, Wide(n[1]), x * n[0]));
+        return fused_or_not(z, WideFloats(n[2]), fused_or_not(y, WideFloats(n[1]), x * n[0]));
       };
       // NaN, which comes from numbers beyond float, is not outside.
-      Mask<float, float_lanes> outside = false;
+      WideMask outside = false;
       for (int k = 0; k < 4; ++k) outside = outside || along(frustum.side[k]) < frustum.offset[k] - r;
       if (frustum.has_cone())
         outside = outside || along(frustum.cone_axis) < load(row_horizon) * frustum.cosine - r * frustum.sine;

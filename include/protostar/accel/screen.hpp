@@ -20,6 +20,7 @@
 
 #include "../bvh/box_space.hpp"
 #include "../bvh/node.hpp"
+#include "../bvh/traversal.hpp"
 #include "../camera.hpp"
 #include "../image.hpp"
 #include "../pixel_grid.hpp"
@@ -105,48 +106,46 @@ struct BoxOnScreen {
 /// and the tile's first pixel are off by less than 2^-16 of a pixel if that is in a tile. Z > 2^-100 is far
 /// from underflow, and 1/Z from overflow.
 class BoxesOnScreen {
-  using Floats = Lanes<float, node_width>;
-
  public:
   Bits seen;      ///< boxes that any pixel may see
   Bits in_front;  ///< boxes surely in front; pixels of other boxes are not known
 
   BoxesOnScreen(const Screen& screen, const Node& node) {
-    Floats ends[2][3], size = static_cast<float>(0x1p-24 * length(screen.eye_in_box_space));
+    NodeFloats ends[2][3], size = static_cast<float>(0x1p-24 * length(screen.eye_in_box_space));
     for (int axis = 0; axis < 3; ++axis) {
       const double o = screen.eye_in_box_space[axis];
       const auto high = static_cast<float>(o), low = static_cast<float>(o - high);
       for (int end = 0; end < 2; ++end)
-        ends[end][axis] = (Floats::load(node.end[end][axis]) - Floats(high)) - Floats(low);
+        ends[end][axis] = (NodeFloats::load(node.end[end][axis]) - NodeFloats(high)) - NodeFloats(low);
       size += max(abs(ends[0][axis]), abs(ends[1][axis]));
     }
     struct Range {
-      Floats least, most;
+      NodeFloats least, most;
     };
     const auto range_of = [&](const Vec3& f) {
-      const Floats error = Floats(static_cast<float>(0x1p-21 * length(f))) * size;
+      const NodeFloats error = NodeFloats(static_cast<float>(0x1p-21 * length(f))) * size;
       Range range{-error, error};
       for (int axis = 0; axis < 3; ++axis) {
-        const Floats factor = static_cast<float>(f[axis]);
+        const NodeFloats factor = static_cast<float>(f[axis]);
         range.least += factor * ends[f[axis] < 0][axis], range.most += factor * ends[f[axis] > 0][axis];
       }
       return range;
     };
     const Range X = range_of(screen.across), Y = range_of(screen.down), Z = range_of(screen.ahead);
-    const auto known = Z.least > Floats(0x1p-100f);
-    const Floats most = Floats(1.0f) / Z.least, least = Floats(1.0f) / Z.most;
+    const auto known = Z.least > NodeFloats(0x1p-100f);
+    const NodeFloats most = NodeFloats(1.0f) / Z.least, least = NodeFloats(1.0f) / Z.most;
     const auto pixels = [&](const Range& range, double start, int count) {
-      const Floats first = static_cast<float>(start);
-      const Floats low = min(range.least * most, range.least * least) - first,
-                   high = max(range.most * most, range.most * least) - first;
+      const NodeFloats first = static_cast<float>(start);
+      const NodeFloats low = min(range.least * most, range.least * least) - first,
+                       high = max(range.most * most, range.most * least) - first;
       return PixelsBetween<node_width>(select(known, low, 0.0f),
                                        select(known, high, static_cast<float>(count)), count);
     };
     const auto x = pixels(X, screen.left, screen.width), y = pixels(Y, screen.top, screen.height);
-    const auto is_used = Floats::load(node.end[0][0]) <= Floats::load(node.end[1][0]);
+    const auto is_used = NodeFloats::load(node.end[0][0]) <= NodeFloats::load(node.end[1][0]);
     seen = bits(is_used && x.any && y.any), in_front = bits(known);
     x.first.store(x0_), x.end.store(x1_), y.first.store(y0_), y.end.store(y1_);
-    select(known, Floats(1 + 0x1p-20f) * most, std::numeric_limits<float>::infinity()).store(nearest_);
+    select(known, NodeFloats(1 + 0x1p-20f) * most, std::numeric_limits<float>::infinity()).store(nearest_);
   }
 
   [[nodiscard]] BoxOnScreen operator[](int k) const {
