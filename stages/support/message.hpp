@@ -8,8 +8,8 @@
 #include <protostar/shown.hpp>
 #include <string>
 
-/// Returns a text of at most `most` bytes: a longer one keeps its beginning and its end, in whole characters
-/// of UTF-8, with three dots between them.
+/// Returns a text of at most `most` ≥ 5 bytes: a longer one keeps its beginning and its end, in whole
+/// characters of UTF-8, with three dots between them.
 inline std::string shortened(const std::string& text, std::size_t most) {
   if (text.size() <= most) return text;
   const auto continues = [&](std::size_t i) { return (static_cast<unsigned char>(text[i]) & 0xc0) == 0x80; };

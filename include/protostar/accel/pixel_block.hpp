@@ -32,7 +32,8 @@ struct PixelBlock {
     return Pixels::of_each([](int lane) { return static_cast<float>(lane / width); });
   }
 
-  /// Returns the pixels of the block at (x, y) that are in a box.
+  /// Returns the pixels of the block at (x, y) that are in a box. Precondition: it is one of those that
+  /// all_of visits.
   static Bits inside(const BoxOnScreen& box, int x, int y) {
     return columns(box.x0 - x, box.x1 - x) & rows(box.y0 - y, box.y1 - y);
   }

@@ -58,7 +58,7 @@ inline constexpr auto chosen_lanes = [] {
 }  // namespace detail
 
 /// Stores the numbers of the lanes in a set, in order, from an address on, and returns how many they are; all
-/// N places from there on may change.
+/// N places from there on may change. Precondition: no bit from N on is set.
 template <class T, int N>
 int store_chosen(T* to, Bits lanes, Lanes<T, N> a) {
 #if defined(PROTOSTAR_VECTORS) && defined(__AVX512F__)
