@@ -231,8 +231,9 @@ template <class T, int N>
 /// Returns 1/√a in each lane, off by less than 8u = 2^-21 of it, for a from 2^-100 to 2^100.
 ///
 /// The processor's estimate y is off by at most 1.5 · 2^-12 of it. One step of Newton's method for 1/y² − a,
-/// y (3/2 − a y²/2), squares that error: 3/2 · 2.25 · 2^-24 < 3.4u. Its roundings are 3.5u at most: 1.5u in
-/// a y²/2, which is about 1/2, half of that in the bracket, which is about 1, and one in each other step.
+/// y (3/2 − a y²/2), squares that error: 3/2 · 2.25 · 2^-24 < 3.4u. Its roundings are about 3u: two products
+/// in a y²/2, which is about 1/2, so that their 2u count half in the bracket, which is about 1; the bracket's
+/// own, and that of its product with y.
 template <int N>
 [[nodiscard]] Lanes<float, N> reciprocal_sqrt(Lanes<float, N> a) {
   [[maybe_unused]] const auto improved = [&](Lanes<float, N> y) {

@@ -231,6 +231,7 @@ template <class T>
 template <class T, int N>
 [[nodiscard]] Vector<T, N> everywhere(T number) {
 #if defined(PROTOSTAR_VECTORS)
+  // Less 0, and not plus 0, which would turn −0 into 0.
   return in_register(number) - Vector<T, N>{};
 #else
   return Vector<T, N>::each([&](int) { return number; });
