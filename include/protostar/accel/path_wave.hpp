@@ -36,7 +36,7 @@ class PathWave {
  public:
   /// Largest number of packets: enough that lanes are full after some bounces as well, and few, so that their
   /// paths and hits take little memory.
-  static constexpr std::size_t most_starting_packets = std::max(64 / double_lanes, 1);
+  static constexpr std::size_t most_starting_packets = 64 / double_lanes;
 
   /// Begins the path of pixel (x, y) of the image, which is a lane of a packet of the wave, at the first hit
   /// of its camera ray. A packet's number is below most_starting_packets.
