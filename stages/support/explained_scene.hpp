@@ -155,7 +155,8 @@ void ExplainedScene::add(const protostar::SceneVector<T>& surfaces,
 namespace explaining {
 
 /// Scene of one light alone, in which rays hit nothing: an integrator that shades a hit in it returns the
-/// light's share of the radiance, if nothing occludes the light. Knows whether it has asked for that.
+/// light's share of the radiance, if nothing occludes the light. is_asked tells whether the integrator has
+/// asked if anything does.
 struct OneLight {
   std::array<protostar::Light, 1> light;
   std::optional<protostar::Color> black = protostar::Color{0};

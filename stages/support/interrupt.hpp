@@ -10,10 +10,10 @@
 
 /// Catcher of SIGINT, SIGTERM and SIGHUP: during its lifetime they request a stop. Code that writes a file
 /// looks at the token at every block, and removes an incomplete file. If the work has not ended a tenth of a
-/// second later (set_grace), the process is ended all the same, so that it outlives the signal by half a
-/// second at most. It may then leave a temporary file, of which it was writing a block; as after SIGKILL,
-/// SIGQUIT and all else that is not caught, the next OutputFile for the same target removes it. A signal that
-/// the process was started to ignore, as by nohup or the shell's &, stays ignored.
+/// second later (set_grace), the process is ended all the same, so that without set_grace it outlives the
+/// signal by half a second at most. It may then leave a temporary file, of which it was writing a block; as
+/// after SIGKILL, SIGQUIT and all else that is not caught, the next OutputFile for the same target removes
+/// it. A signal that the process was started to ignore, as by nohup or the shell's &, stays ignored.
 ///
 /// A thread waits for the signals. If the system cannot start it, listens() is false, and a signal ends the
 /// process at once, as without an Interrupt. Construct it before any other thread, so that all threads block

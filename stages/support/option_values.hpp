@@ -19,9 +19,12 @@ void print_usage_error(const std::string& program, const UsageError& error);
 /// Throws a usage error, which names the option, the value found and the values allowed.
 [[noreturn]] void refuse(const std::string& option, std::string_view found, const std::string& allowed);
 
+/// Reads the value of --transfer; throws a usage error for any other text. name_of returns the text of one.
 protostar::Transfer read_transfer(std::string_view text);
 std::string name_of(const protostar::Transfer& transfer);
 
+/// Reads a whole number for which is_allowed is true; throws a usage error with `allowed`, the words for
+/// these numbers, for any other text.
 int read_whole(const std::string& option, std::string_view text, bool (*is_allowed)(int),
                const std::string& allowed);
 

@@ -6,8 +6,8 @@
 #include <limits>
 
 /// Returns the bound that χ² with so many degrees of freedom exceeds with a probability below 1e-6, by Wilson
-/// and Hilferty's cube root. Its normal quantile is 4.753; 4.9 is more than the error of the approximation
-/// from 3 degrees on.
+/// and Hilferty's cube root. The normal quantile is 4.753; 4.9 in its place makes up for the error of the
+/// approximation from 3 degrees on.
 inline double chi_squared_bound(int degrees) {
   const double k = degrees, share = 2 / (9 * k), root = 1 - share + 4.9 * std::sqrt(share);
   return k * root * root * root;

@@ -14,9 +14,9 @@
 /// Estimates of the light along some rays, compared with the truth.
 ///
 /// For each ray, the means of independent scramblings are as many independent estimates, whose mean has the
-/// standard error s/√R. If chance alone were at work, one in 5e-9 would be more than 8 standard errors away
-/// from the truth (Student's t with 31 degrees of freedom), so that of 200 rays or fewer a test fails in one
-/// of 10^6 seeds; its seeds are fixed. Light is float: 2^-20 of it is allowed for rounding.
+/// standard error s/√R. If chance alone were at work, a share of 5e-9 of them would be more than 8 standard
+/// errors away from the truth (Student's t with 31 degrees of freedom), so that of 200 rays or fewer a test
+/// fails in one of 10^6 seeds; its seeds are fixed. Light is float: 2^-20 of it is allowed for rounding.
 struct LightTruth {
   static constexpr int scramblings = 32;
   static constexpr double most_errors = 8;

@@ -43,7 +43,7 @@ class Accelerated<Scene<S...>> {
         counts_{scene.template surfaces<S>().size()...},
         finders_{simd::Finder<S>(scene.template surfaces<S>(), options)...} {
     if (scene.size() <= simd::few_surfaces) prepare_few();
-    detail::require_threads(options);  // few surfaces are sorted by one thread, whatever the options say
+    detail::require_threads(options);  // small trees do not look at them (threads_for)
   }
   explicit Accelerated(Scene<S...>&&, const RenderOptions& = {}) = delete;
 

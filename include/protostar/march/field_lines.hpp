@@ -12,7 +12,7 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// Field F(t) along the rays of a packet, one in each lane. The rays must not leave the field's surface, nor
 /// be mapped by an instance. The trace is told of each evaluation in a lane as of that of a single ray. The
 /// functions are those of FieldLine; `asked` are the lanes whose results are wanted, and results in other
-/// lanes may be anything. Field, bounds and trace are borrowed.
+/// lanes may be anything. Field, set-up and trace are borrowed.
 template <class F, class Trace>
 class FieldLines {
  public:
