@@ -75,9 +75,8 @@ class Candidates {
   /// Returns index(i) of all surfaces.
   [[nodiscard]] std::span<const std::uint32_t> indices() const { return {index_.data(), slot(size_)}; }
 
-  /// Adds the surfaces of some lanes, each contained in a sphere, but for those wholly behind the film, or
-  /// the lens, if its normal is certain. For a pinhole, as for any viewpoint with ahead = 0, that is never
-  /// so.
+  /// Adds the surfaces of some lanes, each contained in a sphere. Leaves out those wholly behind the film or
+  /// the lens, if its normal is certain: none for a pinhole, as for any viewpoint with ahead = 0.
   void add(const SurfaceIndices& indices, Bits some, const Viewpoint& viewpoint,
            const SpheresAround& around) {
     // A ray that meets a sphere still does when both are shifted, and a true ray, shifted by at most drift,

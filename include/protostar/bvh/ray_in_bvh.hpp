@@ -55,7 +55,8 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
   return std::max(0.0, ll - rr + 0x1p-49 * (ll + rr)) * (0.5 / r);
 }
 
-/// Returns the widening for a query, whose ray may start at a distance from its origin on each axis.
+/// Returns the widening for a query. If it has a distance(), its ray truly starts up to so far from the
+/// origin of its ray, on each axis, as rays do that leave a triangle of a mesh.
 [[nodiscard]] double widening(const auto& query, const BoxSpace& space) {
   if constexpr (requires { query.distance(); })
     return widening(query.ray, space) + query.distance();
