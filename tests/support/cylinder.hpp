@@ -5,6 +5,7 @@
 #include <optional>
 #include <protostar/interval.hpp>
 #include <protostar/ray.hpp>
+#include <utility>
 
 /// The points at distance radius from the y axis, by the textbook formula, without care for rounding.
 struct Cylinder {

@@ -9,6 +9,7 @@
 #include <protostar/sampling/pixel_sampler.hpp>
 #include <protostar/vec3.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 /// Light of a pixel as a function of the numbers of its samples, and its mean. The pixel is told by a share

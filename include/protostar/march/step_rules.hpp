@@ -90,7 +90,8 @@ struct StepRules {
 
   /// Tests whether balls shrink about as fast as at the last step, by the growth of both, g and h, so that F
   /// is nearly straight: their trends, which differ by 2 (g − h) / ((g + 1) (h + 1)), differ by less than a
-  /// quarter of (1 − g)/(1 + g).
+  /// quarter of (1 − g)/(1 + g). Balls that shrink by less than 4 % are too far from a root for a secant. The
+  /// answer decides how many steps are taken, and not what is hit.
   template <class R>
   [[nodiscard]] static auto is_straight(const R& growth, const R& last) {
     return growth < R(0.96) && rounding::abs(growth - last) < R(0.125) * (R(1.0) - growth) * (R(1.0) + last);
