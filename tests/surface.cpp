@@ -1,7 +1,10 @@
+#include <cmath>
+#include <protostar/accel/packet.hpp>
 #include <protostar/scene.hpp>
 #include <protostar/surface.hpp>
 #include <protostar/surfaces/any_surface.hpp>
 #include <protostar/surfaces/plane.hpp>
+#include <protostar/surfaces/quadric.hpp>
 #include <protostar/surfaces/sphere.hpp>
 #include <string>
 #include <vector>
@@ -46,11 +49,23 @@ struct PlainNumber {  // a bare double cannot express a miss
   Vec3 normal_at(Point) const { return {}; }
 };
 
+/// The cone x² + y² = z², which offers its equation and no roots. A is a difference, which may cancel.
+struct EquationOfCone {
+  QuadricForm form{.squares = {1, 1, -1}, .constant = 0};
+
+  std::optional<double> intersect(const Ray& ray, Interval range) const { return first_t(*this, ray, range); }
+  Vec3 normal_at(const Point& point) const { return unit_along(form.times(point)); }
+  auto equation(const auto& line) const { return quadric_equation(line, form); }
+  bool is_left_by(const Ray& ray) const { return ray.departure.is_from(this); }
+  Departure departure() const { return {.kind = Departure::Kind::object, .object = this}; }
+};
+
 static_assert(Surface<Cylinder> && Surface<Sheets> && Surface<Sphere> && Surface<Plane> &&
               Surface<AnySurface>);
 static_assert(!Surface<NoNormal> && !Surface<ChangesWhenAsked> && !Surface<PlainNumber> && !Surface<int>);
 static_assert(!knows_departure<Cylinder> && !SurfaceWithRoots<Cylinder> && !CompositeSurface<Cylinder> &&
               !SurfaceWithEquation<Cylinder>);
+static_assert(SurfaceWithEquation<EquationOfCone> && !SurfaceWithRoots<EquationOfCone>);
 static_assert(CompositeSurface<AnySurface> && SurfaceWithEquation<Sphere> && SurfaceWithEquation<Plane>);
 
 }  // namespace
@@ -128,4 +143,42 @@ TEST_CASE("a ray that departs from another surface hits a user-defined surface l
   const Cylinder cylinder, twin;
   CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, departure_of(twin)}, {})->t == 1.0);
   CHECK(first_crossing(cylinder, {{0, 0, 0}, {1, 0, 0}, Sphere{}.departure()}, {})->t == 1.0);
+}
+
+TEST_CASE("a segment that ends next to a user-defined surface with an equation crosses it exactly or not") {
+  const EquationOfCone cone;
+  const Quadric same{cone.form};
+  Scene<EquationOfCone> scene;
+  scene.add(cone, Color{1});
+  Random random(11);
+  WrongCases wrong(random);
+  int crossed = 0;
+  constexpr int lanes = simd::double_lanes, count = 4000;
+  for (int i = 0; i < count; ++i) {
+    const Point origin = random.point(std::ldexp(1, -static_cast<int>(random.bits() % 20)));
+    const double angle = random.real(-3.2, 3.2), z = random.real(0.5, 1.5);
+    const Point end{z * std::cos(angle), z * std::sin(angle), z};
+    const Ray ray{.origin = origin, .direction = end - origin};
+    const bool expected = first_crossing(same, ray, {0, 1}).has_value();
+    crossed += expected;
+    wrong.add(any_hit(cone, ray, {0, 1}) != expected || scene.occluded(ray, {0, 1}) != expected, ray);
+    wrong.add(any_hit(cone, ray, {}) != first_crossing(same, ray, {}).has_value(), ray);
+
+    const auto e = cone.equation(ray);
+    const RoundedQuadratic<simd::Doubles, simd::Doubles> in_lanes{e.A, e.b, e.c, e.w, e.D, e.E};
+    const auto one = crossed_by_each(e, true, true);
+    const auto all = crossed_by_each(in_lanes, simd::LaneMask(true), true);
+    wrong.add(!one.in_doubt && one.crossed != expected, ray);
+    for (int lane = 0; lane < lanes; ++lane)
+      wrong.add((simd::bits(all.in_doubt) >> lane & 1) != one.in_doubt ||
+                    (simd::bits(all.crossed) >> lane & 1) != one.crossed,
+                ray, lane);
+  }
+  CHECK(wrong == 0);
+  CHECK(crossed > count / 2);
+  CHECK(count - crossed > count / 8);
+
+  // Away from the end of the segment, double decides.
+  const auto e = cone.equation(Ray{.origin = {0, 0, 3}, .direction = {2, 0.5, 0.25}});
+  CHECK_FALSE(crossed_by_each(e, true, true).in_doubt);
 }

@@ -91,8 +91,8 @@ static Facts facts_of(const Moving<S>& s) {
   return facts;
 }
 
-template <class T, class C>
-static Facts facts_of(const RoundedQuadratic<T, C>& e) {
+template <class T, class C, bool is_of_sphere>
+static Facts facts_of(const RoundedQuadratic<T, C, is_of_sphere>& e) {
   return {"quadratic", {{"A", {e.A}}, {"b", {e.b}}, {"c", {e.c}}, {"D", {e.D}}, {"error_of_D", {e.E}}}};
 }
 template <class T, class M>

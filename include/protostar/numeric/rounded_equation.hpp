@@ -58,8 +58,9 @@ RoundedLinear(H, T, M, M, M) -> RoundedLinear<T, M>;
 
 /// Equation A t² − 2 b t + c = 0 with A > 0: b is −½ of the usual coefficient of t, and D = b² − A c is ¼ of
 /// the usual discriminant. C is double if all lines share their origin, and hence c; otherwise it is T. If E
-/// is infinite, nothing is certain.
-template <class T, class C>
+/// is infinite, nothing is certain. If is_of_sphere is true, the errors of A, b and c are at most 3u A,
+/// 4u √(A w) and 7u w, as those of a sphere. For other surfaces A and b may be what is left of larger terms.
+template <class T, class C, bool is_of_sphere = false>
 struct RoundedQuadratic {
   T A, b;
   C c, w;  ///< w is the sum of the magnitudes of the terms of c
@@ -83,9 +84,10 @@ struct RoundedQuadratic {
 /// D is then off by no more than what is added to E. |c| > 2^-18 w makes the error of c less than 2^-34 |c|,
 /// and that of A is less than 2^-34 A, or nothing is certain. q² ≥ √D |q| > 2^31 E and b² > 2^12 E make the
 /// error of b less than 2^-33 of q and of b (docs/derivations.md, Instances).
-[[nodiscard]] inline RoundedQuadratic<double, double> with_errors(RoundedQuadratic<double, double> e,
-                                                                  double A_error, double b_error,
-                                                                  double c_error) {
+[[nodiscard]] inline RoundedQuadratic<double, double> with_errors(const auto& quadratic, double A_error,
+                                                                  double b_error, double c_error) {
+  const auto& [A, b, c, w, D, E] = quadratic;
+  RoundedQuadratic<double, double> e{A, b, c, w, D, E};
   const double size = std::abs(e.b) * b_error + std::abs(e.c) * A_error + (e.A + A_error) * c_error;
   e.E = e.A > 0x1p34 * A_error ? e.E + 2 * size + 0x1p54 * b_error * b_error : infinity;
   e.w += 0x1p52 * c_error;
@@ -107,8 +109,9 @@ struct CertifiedQuotient {
 /// |q| here. |c| > 2^-18 w also makes |q| larger than 2^-10 √(A w), so the error of b, 4u √(A w), is
 /// negligible. D > 4E holds as well: √D > 2^31 E/|q|, where |q| ≤ 2 √(A w) and E ≥ 2^-48 A w, hence D > 2^12
 /// E.
-template <class T, class C>
-[[nodiscard, gnu::always_inline]] inline auto certified_quotient(const RoundedQuadratic<T, C>& e) {
+template <class T, class C, bool is_of_sphere>
+[[nodiscard, gnu::always_inline]] inline auto certified_quotient(
+    const RoundedQuadratic<T, C, is_of_sphere>& e) {
   using std::abs, std::copysign, std::sqrt;
   const T root = sqrt(e.D);
   const T q = e.b + copysign(root, e.b);
@@ -142,9 +145,9 @@ template <class T, class L, class M>
           .near_under = e.slope,
           .count = 1};
 }
-template <class T, class C, class M>
-[[nodiscard, gnu::always_inline]] inline RootsOfEach<T, M> roots_of_each(const RoundedQuadratic<T, C>& e,
-                                                                         const M& active) {
+template <class T, class C, bool is_of_sphere, class M>
+[[nodiscard, gnu::always_inline]] inline RootsOfEach<T, M> roots_of_each(
+    const RoundedQuadratic<T, C, is_of_sphere>& e, const M& active) {
   const M open = active && !e.surely_misses();
   if (!any(open)) return {.meets = open, .in_doubt = open};
   const T c(e.c);
@@ -181,9 +184,9 @@ template <class T, class L, class M>
 /// is enough. From outside, where c > 0, it is c/q if b > 0, and a surface behind the origin, where b < 0,
 /// costs no square root; if lines start at one point outside, as camera rays mostly do, this holds for all of
 /// them.
-template <class T, class C, class M>
+template <class T, class C, bool is_of_sphere, class M>
 [[nodiscard, gnu::always_inline]] inline FirstRootOfEach<T, M> first_root_of_each(
-    const RoundedQuadratic<T, C>& e, const M& active) {
+    const RoundedQuadratic<T, C, is_of_sphere>& e, const M& active) {
   using std::sqrt;
   T t = infinity;
   M is_there = false, in_doubt = false;
@@ -237,23 +240,36 @@ template <class T, class L, class M>
           .in_doubt = active && !e.misses && !(meets && (before_end || behind_end))};
 }
 
-/// Returns which of the active lines cross a sphere in 0 < t < 1 if they are segments, else in t > 0, by
-/// signs alone: without a root or a division. The bounds are those of a sphere's equation.
+/// Returns which of the active lines cross a surface in 0 < t < 1 if they are segments, else in t > 0: by
+/// signs alone, without a root or a division, but for segments if the equation is not that of a sphere.
 ///
 /// If D > 4E and |c| > 2^-18 w, a line meets the sphere, and the computed c has the sign of the exact one,
 /// since its error is at most 7u w. If also c > 0, the computed b has the sign of the exact one: |b| is then
-/// larger than 2^-24 √(A w), and its error is at most 4u √(A w).
+/// larger than 2^-24 √(A w), and its error is at most 4u √(A w). This holds for other surfaces, too: |b| is
+/// then larger than 2^-24 of the sum of the magnitudes of its terms.
+///
+/// For segments of other surfaces, roots are compared with 1, which they are on the right side of if they are
+/// 2^-29 away from it: where A cancels, 2^-49 (A + w) below is no bound of the error of f.
 ///
 /// At t = 1 the equation has the value f = A − 2b + c, and half its slope is A − b. The errors of A, b, c are
 /// at most 3u A, 4u √(A w) ≤ 2u (A + w) and 7u w, those of the two operations at most 4u (A + w) together, so
 /// f and A − b are accurate to 15u (A + w) < 2^-49 (A + w). A line that meets the sphere is inside it between
 /// its roots: from outside, it gets there if it ends inside, or else if its nearest point to the center comes
 /// before its end.
-template <class T, class C, class M>
-[[nodiscard, gnu::always_inline]] inline CrossedByEach<M> crossed_by_each(const RoundedQuadratic<T, C>& e,
-                                                                          const M& active,
-                                                                          bool are_segments) {
+template <class T, class C, bool is_of_sphere, class M>
+[[nodiscard, gnu::always_inline]] inline CrossedByEach<M> crossed_by_each(
+    const RoundedQuadratic<T, C, is_of_sphere>& e, const M& active, bool are_segments) {
   using std::abs;
+  if constexpr (!is_of_sphere)
+    if (are_segments) {
+      const RootsOfEach<T, M> roots = roots_of_each(e, active);
+      const T near = roots.near(), far = roots.far();
+      const auto has_root_before = [&](double end) -> M {
+        return roots.meets && ((near > 0.0 && near < end) || (far > 0.0 && far < end));
+      };
+      const M crossed = has_root_before(1 - 0x1p-29);
+      return {.crossed = crossed, .in_doubt = roots.in_doubt || (has_root_before(1 + 0x1p-29) && !crossed)};
+    }
   const M open = active && !e.surely_misses();
   if (!any(open)) return {.crossed = open, .in_doubt = open};
   const M meets = open && e.D > 4 * e.E && abs(e.c) > 0x1p-18 * e.w;

@@ -49,7 +49,7 @@ inline constexpr double underflow_of_sphere = 0x1p-900;
   using T = std::remove_const_t<decltype(b)>;
   const auto E = 0x1p-68 * (select(detail::is_moderate_square(T(A)), 0x1p20 * T(A), T(infinity)) * w) +
                  detail::underflow_of_sphere;
-  return RoundedQuadratic<T, std::remove_const_t<decltype(c)>>{
+  return RoundedQuadratic<T, std::remove_const_t<decltype(c)>, true>{
       .A = A, .b = b, .c = c, .w = w, .D = b * b - A * c, .E = E};
 }
 
@@ -75,7 +75,7 @@ inline constexpr double underflow_of_sphere = 0x1p-900;
 /// Tests whether a line certainly starts outside the sphere and leads away from its center, so that it has no
 /// root above 0. The error of c is at most 7u w.
 template <class T, class C>
-[[nodiscard, gnu::always_inline]] inline auto surely_recedes(const RoundedQuadratic<T, C>& e) {
+[[nodiscard, gnu::always_inline]] inline auto surely_recedes(const RoundedQuadratic<T, C, true>& e) {
   return e.c > 0x1p-50 * e.w && surely_leads_away(e.A, e.b, e.w);
 }
 
