@@ -180,14 +180,22 @@ class StageView {
 
   // Shows why a pixel has its color: the words of --pixel beside the drawing of --rays.
   async ask(x, y) {
-    const [width, height] = this.controls.size, question = ++this.asked;
+    const question = ++this.asked;
     this.point(x, y);
     if (!isLoaded(this.program + '.explained')) this.tell('The module that explains pixels is being loaded.');
     try {
+      const unlessCancelled = error => { if (!(error instanceof Cancelled)) throw error; };
+      let result;  // asked for again where a new picture has cancelled the run
+      while (!result) {
+        // A stage that draws without rays refuses to draw them.
+        result = await this.explain(x, y, '--rays', 'rays.svg').catch(error => {
+          unlessCancelled(error);
+          return this.explain(x, y);
+        }).catch(unlessCancelled);
+        if (question !== this.asked) return;
+      }
       const except = this.controls.has('--error') ? ' (The samples of --error are left out.)' : '';
-      // A stage that draws without rays refuses to draw them.
-      const result = await this.explain(x, y, '--rays', 'rays.svg').catch(() => this.explain(x, y));
-      if (question !== this.asked) return;
+      const [width, height] = this.controls.size;
       // A line that is too long goes on below its own beginning.
       const lines = result.stdout.replace(/\n$/, '').split('\n').map(line => {
         const element = made('span', {textContent: line + '\n'});
@@ -202,7 +210,7 @@ class StageView {
       if (drawing) this.plan.src = 'data:image/svg+xml,' + encodeURIComponent(new TextDecoder().decode(drawing));
       this.section.dispatchEvent(new CustomEvent('answered', {detail: {x, y, width, height, text: result.stdout}}));
     } catch (error) {
-      if (error instanceof Cancelled || question !== this.asked) return;
+      if (question !== this.asked) return;
       this.tell(error.message);
       this.plan.hidden = true;
       this.section.dispatchEvent(new CustomEvent('failed', {detail: error.message}));
