@@ -217,14 +217,15 @@ class StageView {
     }
   }
 
-  // Runs --pixel. It takes no samples by an error.
+  // Runs --pixel. It takes no samples by an error. A size that is none is told by the program, as the picture has another
+  // size than that of the program.
   async explain(x, y, ...args) {
-    const [width, height] = this.controls.size;
+    const size = this.controls.wrongSize || this.controls.size.join('x');
     const moved = this.scene?.moved;
     const program = moved ? ['scene.json', '--integrator', this.scene.explanation.integrator] : [];
     const own = this.controls.args('--size', '--error', '--max-samples', '--clamp');
     const result = await this.pool.run(this.program + '.explained',
-                                       [...program, ...own, '--size', `${width}x${height}`, '--pixel', `${x},${y}`, ...args],
+                                       [...program, ...own, '--size', size, '--pixel', `${x},${y}`, ...args],
                                        moved ? {'scene.json': this.scene.text} : {});
     if (result.status !== 0) throw new Error(result.stderr.trim());
     return result;
