@@ -104,7 +104,7 @@ class StageView {
       const expected = small.run * 64;
       const bands = whole || expected < 150 ? 1
                   : Math.min(this.pool.size * Math.ceil(expected / this.pool.size / 200), 64, height);
-      const lines = [];
+      const lines = [], warnings = new Set();  // such as an error that is not reached
       let done = 0;
       await Promise.all(Array.from({length: bands}, async (_, i) => {
         const from = Math.round(i * height / bands), to = Math.round((i + 1) * height / bands);
@@ -113,13 +113,14 @@ class StageView {
         if (drawing !== this.drawing) return;
         this.show(imageOf(result.files['out.ppm']), from, done++ === 0 && bands === 1);
         lines.push(...result.stdout.trim().split('\n').slice(1));
+        if (result.stderr.trim()) warnings.add(result.stderr.trim());
         if (done < bands) this.status.textContent = `Drawn: ${done} of ${bands} bands`;
       }));
       if (drawing !== this.drawing) return;
       const time = performance.now() - start;
       this.status.textContent = [`${width} × ${height}: first picture after ${milliseconds(first)}, whole after ` +
                                  `${milliseconds(time)} on ${Math.min(bands, this.pool.size)} ` +
-                                 (bands > 1 ? 'workers' : 'worker'), ...this.sums(lines)].join('. ');
+                                 (bands > 1 ? 'workers' : 'worker'), ...this.sums(lines), ...warnings].join('. ');
       this.section.classList.remove('busy');
       this.section.dispatchEvent(new CustomEvent('drawn', {detail: {first, time, bands}}));
     } catch (error) {
