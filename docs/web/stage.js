@@ -55,7 +55,7 @@ class StageView {
     this.canvas.setAttribute('aria-label', `${image.alt}. Arrow keys move a cursor, Enter asks the pixel below it.`);
     this.cursor = made('div', {className: 'cursor', hidden: true});
     this.frame = made('div', {className: 'frame'}, this.canvas, this.cursor);
-    [this.canvas.width, this.canvas.height] = this.controls.size;
+    this.resize(...this.controls.size);
     this.canvas.getContext('2d').drawImage(image, 0, 0, this.canvas.width, this.canvas.height);  // until the stage draws
     image.replaceWith(this.frame);
     this.plan = made('img', {className: 'plan', alt: 'The rays of this pixel, from above and from the side', hidden: true});
@@ -159,6 +159,7 @@ class StageView {
   }
 
   resize(width, height) {
+    this.frame.style.setProperty('--ratio', width / height);
     if (this.canvas.width !== width) this.canvas.width = width;
     if (this.canvas.height !== height) this.canvas.height = height;
   }
