@@ -35,6 +35,7 @@ class StageView {
     this.section = section;
     this.name = section.dataset.stage;
     this.pool = new Pool();
+    this.isDrawn = false;  // the whole picture by these options is on the canvas
     this.drawing = 0;  // number of the picture that is drawn; runs of an older one have no effect
     this.asked = 0;    // number of the last question for a pixel; answers to older ones are not shown
     section.view = this;
@@ -93,6 +94,7 @@ class StageView {
     const [width, height] = this.controls.size;
     this.controls.command.textContent = ['build/stages/' + this.name, ...this.controls.args()].join(' ');
     this.section.classList.add('busy');
+    this.isDrawn = false;
     try {
       if (this.controls.wrongSize) await this.run('--size', this.controls.wrongSize);  // the program tells the mistake
       const start = performance.now();
@@ -122,6 +124,7 @@ class StageView {
                                  `${milliseconds(time)} on ${Math.min(bands, this.pool.size)} ` +
                                  (bands > 1 ? 'workers' : 'worker'), ...this.sums(lines), ...warnings].join('. ');
       this.section.classList.remove('busy');
+      this.isDrawn = true;
       this.section.dispatchEvent(new CustomEvent('drawn', {detail: {first, time, bands}}));
     } catch (error) {
       this.failed(error, drawing);
@@ -379,10 +382,14 @@ function offerShader(section, view) {
   const button = made('button', {type: 'button', textContent: 'Draw it by the shader, and compare'});
   const result = made('div', {className: 'pictures'});
   button.addEventListener('click', async () => {
-    if (view.scene?.moved || view.controls.has('--show') || view.section.classList.contains('busy'))
-      return result.replaceChildren('Wait until the picture is whole, put back what was moved, and choose no --show.');
-    const {showShader} = await import('./shader.js');
     const {canvas, controls} = view;
+    const others = controls.options.filter(({name, meta}) => meta !== 'X' && name !== '--size' && controls.has(name));
+    if (others.length)
+      return result.replaceChildren(`The shader has no ${others.map(({name}) => name).join(' and no ')}: ` +
+                                    `leave the field${others.length > 1 ? 's' : ''} empty.`);
+    if (view.scene?.moved || !view.isDrawn)
+      return result.replaceChildren('Wait until the picture is whole, and put back what was moved.');
+    const {showShader} = await import('./shader.js');
     const numbers = Object.fromEntries(controls.options.filter(({meta}) => meta === 'X').map(({name, byDefault}) =>
         [name.slice(2).toUpperCase().replaceAll('-', '_'), Number(controls.fields.get(name).value || byDefault)]));
     button.disabled = true;
