@@ -157,6 +157,9 @@ class StageView {
     const context = this.canvas.getContext('2d');
     context.imageSmoothingEnabled = false;
     context.drawImage(canvas, 0, 0, width, height);
+    // A canvas that is too large for the browser stays empty, and no error is thrown.
+    if ((width * height > 1e6 || Math.max(width, height) > 4096) && context.getImageData(0, 0, 1, 1).data[3] === 0)
+      throw new Error(`This browser shows no picture of ${width} × ${height} pixels.`);
     this.size = [w, h];
     return {run: result.time, seen: performance.now() - start};
   }
