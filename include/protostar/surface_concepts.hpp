@@ -297,7 +297,7 @@ struct SurfaceRequirements {
       "Surface: the type has no intersect(const Ray&, Interval) const that returns std::optional<double>");
   static_assert(has_normal<S> || has_normal_of_primitives<S>,
                 "Surface: the type has no normal_at(Point) const that returns a Vec3");
-  static_assert(has_normal<S> || !has_normal_of_primitives<S> || is_made_of_primitives<S>,
+  static_assert(!has_normal_of_primitives<S> || is_made_of_primitives<S>,
                 "Surface: the type has normal_at(Point, int) const, for primitives, but no Departure "
                 "departure(int) const");
 };
@@ -336,6 +336,22 @@ struct SurfaceOffers : SurfaceRequirements<S> {
   static_assert(
       knows_tangents<S> || !requires(S surface, Point point) { surface.tangents_at(point); },
       "Surface: tangents_at(Point) is not const or does not return Tangents");
+  static_assert(
+      knows_uv<S> || !requires(S surface, Point point) { surface.uv_at(point, 0); },
+      "Surface: uv_at(Point, int) is not const, does not return a Uv, or lacks normal_at(Point, int)");
+  static_assert(
+      knows_tangents<S> || !requires(S surface, Point point) { surface.tangents_at(point, 0); },
+      "Surface: tangents_at(Point, int) is not const, does not return Tangents, or lacks normal_at(Point, "
+      "int)");
+  static_assert(
+      knows_rest<S> || !requires(S surface, Point point) { surface.at_rest(point, 0.0); },
+      "Surface: at_rest(Point, double) is not const or does not return a Point");
+  static_assert(
+      !requires(S surface) { surface.is_solid(); } ||
+          requires(const S surface) {
+            { surface.is_solid() } -> std::same_as<bool>;
+          },
+      "Surface: is_solid() is not const or does not return bool");
   static_assert(
       knows_distance<S> || !requires(S surface, Point point) { surface.distance_bound(point); },
       "Surface: distance_bound(Point) is not const or does not return double");
