@@ -180,7 +180,7 @@ std::string room_of(const std::string& header) { return fs::path(header).parent_
 /// Headers outside of all rooms that know surfaces, and what is made of them.
 const std::set<std::string> of_surfaces = {"surface_concepts.hpp", "surface.hpp", "intersection.hpp",
                                            "material.hpp",         "light.hpp",   "scene.hpp",
-                                           "camera.hpp",           "render.hpp"};
+                                           "camera.hpp",           "render.hpp",  "own_intersect.hpp"};
 
 /// Tests whether a header may include another by the rooms of both, as far as simd/, exact/, bvh/ and
 /// sampling/ are concerned: these know numbers, boxes and pixels, and no surface.

@@ -182,3 +182,31 @@ TEST_CASE("a segment that ends next to a user-defined surface with an equation c
   const auto e = cone.equation(Ray{.origin = {0, 0, 3}, .direction = {2, 0.5, 0.25}});
   CHECK_FALSE(crossed_by_each(e, true, true).in_doubt);
 }
+
+TEST_CASE("a user-defined surface that asks a sphere has the sphere's crossings, wherever its range begins") {
+  struct Ball {
+    Sphere sphere;
+    std::optional<double> intersect(const Ray& ray, Interval range) const {
+      return sphere.intersect(ray, range);
+    }
+    Vec3 normal_at(Point point) const { return sphere.normal_at(point); }
+  };
+  Random random(31);
+  WrongCases other_crossings(random), missed_walls(random);
+  for (int i = 0; i < 2000; ++i) {
+    const Ball ball{{.center = {0, 0, 3}, .radius = 1}};
+    const Point at = ball.sphere.center + random.point(0.5);
+    const Ray ray{.origin = random.point(1), .direction = at - random.point(1)};
+    std::vector<double> own, of_sphere;
+    each_crossing(ball, ray, Interval{}, [&](const Crossing& crossing) { own.push_back(crossing.t); });
+    each_crossing(ball.sphere, ray, Interval{},
+                  [&](const Crossing& crossing) { of_sphere.push_back(crossing.t); });
+    other_crossings.add(own != of_sphere, ray.origin, ray.direction);
+    if (of_sphere.size() != 2) continue;
+    const Ray inwards{
+        .origin = ray.at(of_sphere[0]), .direction = ray.direction, .departure = departure_of(ball)};
+    missed_walls.add(!first_t(ball, inwards, Interval{}), ray.origin, ray.direction);
+  }
+  CHECK(other_crossings == 0);
+  CHECK(missed_walls == 0);
+}

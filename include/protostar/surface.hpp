@@ -9,18 +9,13 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <string_view>
-#ifndef NDEBUG
-#include <atomic>
-#include <cstdio>
-#endif
 
 #include "intersection.hpp"
 #include "interval.hpp"
 #include "numeric/roots.hpp"
 #include "numeric/rounded_equation.hpp"
+#include "own_intersect.hpp"
 #include "ray.hpp"
-#include "shown.hpp"
 #include "surface_concepts.hpp"
 #include "transformed_ray.hpp"
 
@@ -198,37 +193,6 @@ template <Surface S>
   if (!(range.min < t + margin && t - margin < range.max)) return false;
   return detail::lies_inside_refined(surface, ray, crossing, range);
 }
-
-namespace detail {
-
-#ifndef NDEBUG
-/// Warns on stderr that a surface's intersect returned a t outside its range. Only the first warning of the
-/// program is printed, for whichever type comes first.
-[[gnu::noinline, gnu::cold]] inline void warn_of_range(std::string_view type, double t, Interval range) {
-  static std::atomic_flag is_told;
-  if (is_told.test_and_set()) return;
-  std::fprintf(
-      stderr,
-      "protostar: Surface %.*s: intersect returned t = %.17g, which is not inside the range that it was "
-      "given; it must return the smallest t with %.17g < t < %.17g of a crossing, or none. Such a hit "
-      "is left out, and with it those behind it: shadows or whole surfaces are missing.\n",
-      static_cast<int>(type.size()), type.data(), t, range.min, range.max);
-}
-#endif
-
-/// Returns the answer of a surface's own intersect; none if it is not inside the range, for which a debug
-/// build, one without NDEBUG, calls warn_of_range.
-template <Surface S>
-[[nodiscard]] std::optional<double> own_intersect(const S& surface, const Ray& ray, Interval range) {
-  const std::optional<double> t = surface.intersect(ray, range);
-  if (!t || range.contains(*t)) return t;
-#ifndef NDEBUG
-  warn_of_range(name_of_type<S>(), *t, range);
-#endif
-  return std::nullopt;
-}
-
-}  // namespace detail
 
 /// Returns the range without the crossing at which a ray starts on a surface that has no departure(); takes
 /// up to three calls of intersect. Meant for range.min ≥ 0: a negative min is kept, or raised above all
