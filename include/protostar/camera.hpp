@@ -229,7 +229,7 @@ struct Camera {
   }
 
   /// Returns the ray of time 0 through the film at (u, v) from a point of the lens, given in the unit disk.
-  /// Precondition: the camera has no film, which this ray would not start on.
+  /// Precondition: the camera has no film; film_right and film_up are not used.
   [[nodiscard]] Ray operator()(double u, double v, const Uv& at) const {
     const Lens of = lens();
     return {at.x * of.right + at.y * of.up + position,

@@ -88,8 +88,8 @@ class AffineInverse {
               is_finite(rows_[0]) && is_finite(rows_[1]) && is_finite(rows_[2]);
   }
 
-  /// Returns true if the map has an inverse, and all numbers of both are finite. If not, nothing is mapped
-  /// right.
+  /// Returns true if the map has an inverse, and all numbers of both are finite: a precondition of all
+  /// functions below but map().
   [[nodiscard]] bool exists() const { return exists_; }
 
   /// Returns the map that this is the inverse of.

@@ -64,7 +64,7 @@ class InnerPoint {
   /// finite if double cannot hold the differences of the given numbers.
   [[nodiscard]] double distance() const { return distance_; }
 
-  /// Returns the point without rounding. Precondition: distance() is finite.
+  /// Returns the point without rounding.
   [[nodiscard, gnu::cold, gnu::noinline]] ExactVector exact() const {
     const ExactVector a = exact_vector(a_);
     if (u_ == 0) return a;
