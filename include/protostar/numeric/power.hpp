@@ -52,6 +52,7 @@ template <std::size_t N, class T>
 }  // namespace detail
 
 /// Returns a/b for doubles, with a relative error below 2u²: the remainder of a rounded quotient is a double.
+/// It does not underflow if a is 0, or |a| and |a/b| are above 2^-900.
 [[nodiscard]] inline DoubleDouble quotient(double a, double b) {
   const double rounded = a / b;
   return {rounded, std::fma(-rounded, b, a) / b};
@@ -119,8 +120,8 @@ template <std::size_t N, class T>
 /// result is one.
 [[nodiscard]] inline DoubleDouble pow(DoubleDouble x, DoubleDouble y) { return exp2(y * log2(x)); }
 
-/// Returns x^n for 0 ≤ x ≤ 1, or for several such numbers, by squaring. Written as n factors x it has n − 1
-/// products, each with an error of u, so its relative error is below n u for n < 2^20. If a product
+/// Returns x^n for 0 ≤ x ≤ 1 and n ≥ 0, or for several such numbers x, by squaring. Written as n factors x it
+/// has n − 1 products, each with an error of u, so its relative error is below n u for n < 2^20. If a product
 /// underflows, both it and x^n are below 2^-1000.
 template <class T>
 [[nodiscard]] T whole_power(T x, int n) {
