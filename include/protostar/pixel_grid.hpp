@@ -114,6 +114,7 @@ class PixelGrid {
   [[nodiscard]] int samples() const { return samples_; }
   [[nodiscard]] int first() const { return first_; }
   [[nodiscard]] int last() const { return last_; }
+  /// Returns how many samples the range has.
   [[nodiscard]] std::uint64_t drawn() const { return static_cast<std::uint64_t>(last_ - first_); }
 
   /// Returns light with each channel clamped to [0, clamp], if the options have one; NaN becomes 0.

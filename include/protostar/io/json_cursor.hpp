@@ -58,6 +58,7 @@ class JsonCursor {
   /// Points to the root of a file, which has to outlive the cursor.
   explicit JsonCursor(const SceneText& scene) : JsonCursor(scene, scene.tree.root) {}
 
+  /// Throws SceneError about the value: it is not one that is `allowed`, or not possible beside another key.
   [[noreturn]] void refuse(std::string_view allowed) const {
     say(found().append(" is not ").append(allowed));
   }

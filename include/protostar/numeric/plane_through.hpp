@@ -23,7 +23,7 @@
 
 namespace protostar::inline PROTOSTAR_ABI {
 
-/// Vector in double-double.
+/// Vector in double-double, whose components have an index: PreciseVector has names for them, and operators.
 using RefinedVector = std::array<DoubleDouble, 3>;
 
 /// Returns true if each number of some vectors is 0 or at least 2^-300 of their largest. Times a power of two

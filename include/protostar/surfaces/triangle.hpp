@@ -106,8 +106,8 @@ class StartInTriangle {
   /// Returns an upper bound for its distance from the ray's origin, on each axis.
   [[nodiscard]] double distance() const { return start_.distance(); }
 
-  /// Returns the ray's line in doubles, with upper bounds for their errors, both as the ray's own numbers and
-  /// as those of its line from here.
+  /// Returns the ray's line in doubles, with upper bounds for their errors that hold for both lines: the
+  /// ray's own, and the one from this start.
   [[nodiscard]] RoundedLine line(const Ray& ray) const {
     RoundedLine line = rounded_line(ray);
     line.origin_error += distance();
