@@ -77,14 +77,26 @@ class StageView {
   // Name of the program that draws: the stage, or `render` if something was moved.
   get program() { return this.scene?.moved ? 'render' : this.name; }
 
+  // Words and files that `render` gets if something was moved.
+  get sceneWords() { return this.scene?.moved ? ['scene.json', '--integrator', this.scene.explanation.integrator] : []; }
+  get sceneFiles() { return this.scene?.moved ? {'scene.json': this.scene.text} : {}; }
+
   // Runs the stage, or `render` with the scene file if something was moved. Throws an Error with what the program says.
   async run(...args) {
-    const files = this.scene?.moved ? {'scene.json': this.scene.text} : {};
-    const program = this.scene?.moved ? ['scene.json', '--integrator', this.scene.explanation.integrator] : [];
-    const result = await this.pool.run(this.program,
-                                       [...program, ...this.controls.args('--size'), ...args], files);
+    const result = await this.pool.run(this.program, [...this.sceneWords, ...this.controls.args('--size'), ...args],
+                                       this.sceneFiles);
     if (result.status !== 0 && !result.files['out.ppm']) throw new Error(result.stderr.trim());
     return result;
+  }
+
+  // Shows the command that draws the picture elsewhere. The scene in which something was moved can be saved by its name.
+  showCommand() {
+    const words = ['build/stages/' + this.program, ...this.sceneWords, ...this.controls.args()].join(' ');
+    if (!this.scene?.moved) return this.controls.command.replaceChildren(words);
+    const file = made('a', {textContent: 'scene.json', download: 'scene.json',
+                            href: 'data:application/json,' + encodeURIComponent(this.scene.text)});
+    const [before, behind] = words.split('scene.json');
+    this.controls.command.replaceChildren(before, file, behind);
   }
 
   // Draws the picture: first an eighth of the size, then whole, in bands that appear one by one if it takes long.
@@ -92,7 +104,7 @@ class StageView {
     const drawing = ++this.drawing;
     this.pool.cancel();
     const [width, height] = this.controls.size;
-    this.controls.command.textContent = ['build/stages/' + this.name, ...this.controls.args()].join(' ');
+    this.showCommand();
     this.section.classList.add('busy');
     this.isDrawn = false;
     try {
@@ -229,12 +241,10 @@ class StageView {
   // size than that of the program.
   async explain(x, y, ...args) {
     const size = this.controls.wrongSize || this.controls.size.join('x');
-    const moved = this.scene?.moved;
-    const program = moved ? ['scene.json', '--integrator', this.scene.explanation.integrator] : [];
     const own = this.controls.args('--size', '--error', '--max-samples', '--clamp');
     const result = await this.pool.run(this.program + '.explained',
-                                       [...program, ...own, '--size', size, '--pixel', `${x},${y}`, ...args],
-                                       moved ? {'scene.json': this.scene.text} : {});
+                                       [...this.sceneWords, ...own, '--size', size, '--pixel', `${x},${y}`, ...args],
+                                       this.sceneFiles);
     if (result.status !== 0) throw new Error(result.stderr.trim());
     return result;
   }
