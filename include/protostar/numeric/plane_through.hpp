@@ -110,8 +110,11 @@ namespace detail {
 /// + 5 + 3 + 3 of the magnitudes of its terms, and its quotient 3 + 16 more. All are below 2^-100 = 64u². If
 /// the normal's error is large against that, a quotient has twice as much, and the distance as much.
 ///
-/// Precondition: the position's components are 0 or from 2^-301 to 1. No term is then below 2^-801, and
-/// nothing underflows.
+/// High parts of components that are off by at most 2^-80 are off by less than 2^-52 together, so that those
+/// that differ by more than 2^-50 are in the right order. Precondition: the position's components are 0 or
+/// from 2^-301 to 1. The largest component is above 2^-200, and quotients are 0 or above 2^-300, so that the
+/// components are 0 or above 2^-500, and terms of the distance above 2^-801: with 2^-106 of them, their last
+/// digits are far above 2^-1074, and nothing underflows.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
                                                                    const RefinedVector& n, double error) {
   const auto size = [&](std::size_t i) { return std::abs(n[i].hi); };
