@@ -158,4 +158,5 @@ TEST_CASE("a crop that does not contain the image and numbers of samples beyond 
   refused({.crop = {.x = -1, .y = 0, .width = 20, .height = 20}});
   refused({.crop = {.x = 2147483647, .y = 0, .width = 20, .height = 20}});
   refused({.crop = {.x = 0, .y = 0, .width = 8, .height = 0}});
+  refused({.crop = {.x = 1}});
 }

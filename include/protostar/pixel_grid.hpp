@@ -52,7 +52,7 @@ class PixelGrid {
   [[gnu::cold]] PixelGrid(int width, int height, const RenderOptions& options = {},
                           const SamplerChoice& otherwise = sampler_of<HammersleySampler>,
                           const SampleRange& range = {})
-      : crop_(options.crop.width == 0 && options.crop.height == 0 ? Crop{0, 0, width, height} : options.crop),
+      : crop_(options.crop.or_whole(width, height)),
         sampler_(options.sampler.is_made() ? options.sampler : otherwise),
         filter_(options.filter),
         seed_(options.seed) {

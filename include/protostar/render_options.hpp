@@ -41,10 +41,17 @@ struct RenderStatistics {
 inline constexpr int most_samples_of_pixel = (1 << 22) - 1;
 
 /// Position of an image in a larger picture, of which only the image is rendered: its upper left pixel is at
-/// column x and row y of a picture of width × height pixels. Without a size, the image is the picture.
+/// column x and row y of a picture of width × height pixels. By default, the image is the picture.
 struct Crop {
   int x = 0, y = 0;
   int width = 0, height = 0;
+
+  /// Returns this crop, but for the default the whole of a picture of that size.
+  [[nodiscard]] Crop or_whole(int picture_width, int picture_height) const {
+    return *this == Crop{} ? Crop{0, 0, picture_width, picture_height} : *this;
+  }
+
+  friend bool operator==(const Crop&, const Crop&) = default;
 };
 
 /// Work that the fast path leaves out. Each kind can be turned off to measure its saving: a picture has the

@@ -11,7 +11,7 @@ using namespace protostar;
 void render_shared(Image& image, const StageRenderOptions& options, const SamplerChoice& otherwise,
                    const std::function<void(Image&, const RenderOptions&)>& light,
                    const std::function<void(Film&, const SampleRange&, const RenderOptions&)>& add) {
-  const Crop whole = options.crop.width > 0 ? options.crop : Crop{0, 0, image.width(), image.height()};
+  const Crop whole = options.crop.or_whole(image.width(), image.height());
   SharedPicture picture = options.picture;
   picture.width = whole.width, picture.height = whole.height;
   picture.area = {whole.x, whole.y, whole.x + image.width(), whole.y + image.height()};

@@ -20,8 +20,8 @@ namespace protostar::inline PROTOSTAR_ABI::simd {
 /// of options.crop, or without one that of the target's area.
 [[nodiscard]] inline Skips skips_that_pay(const RenderOptions& options, const Tile& area,
                                           std::size_t surfaces) {
-  const Crop& crop = options.crop;
-  const auto pixels = crop.width > 0 ? 1.0 * crop.width * crop.height : 1.0 * area.width() * area.height();
+  const Crop picture = options.crop.or_whole(area.width(), area.height());
+  const double pixels = 1.0 * picture.width * picture.height;
   Skips skips = options.skips;
   skips.occluder_lists = skips.occluder_lists && pixels >= 64.0 * static_cast<double>(surfaces);
   return skips;

@@ -35,8 +35,7 @@ class PassLoop {
     if (!pass_.sampler.is_made()) pass_.sampler = sampler_of<SobolSampler>;
     pass_.error = pass_.seconds = 0, pass_.every_pixel = false;
     pass_.report = nullptr, pass_.standard_error = nullptr;
-    const Crop& crop = options.crop;
-    if (crop.width == 0 && crop.height == 0) pass_.crop = {0, 0, image.width(), image.height()};
+    pass_.crop = options.crop.or_whole(image.width(), image.height());
     if (options.samples == 0) pass_.samples = options.max_samples;
     if (options.progress) pass_.progress = [this](double done) { tell(done); };
   }

@@ -44,9 +44,8 @@ class SampleTarget {
     if (options.error != 0 || options.seconds != 0 || options.every_pixel || options.standard_error)
       throw std::invalid_argument(
           "render: error, seconds, every_pixel and standard_error are options of an image, not of a film");
-    const bool is_part = options.crop.width != 0 || options.crop.height != 0;
-    options.crop = {area_.x0, area_.y0, is_part ? options.crop.width : area_.x1,
-                    is_part ? options.crop.height : area_.y1};
+    options.crop = options.crop.or_whole(area_.x1, area_.y1);
+    options.crop.x = area_.x0, options.crop.y = area_.y0;
     if (options.samples == 0) {
       if (range_.last > std::uint32_t{most_samples_of_pixel})
         throw std::invalid_argument("render: samples must end at " + std::to_string(most_samples_of_pixel) +
