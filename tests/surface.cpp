@@ -210,3 +210,12 @@ TEST_CASE("a user-defined surface that asks a sphere has the sphere's crossings,
   CHECK(other_crossings == 0);
   CHECK(missed_walls == 0);
 }
+
+TEST_CASE("a user-defined surface that answers with the beginning of its range has no hit there") {
+  struct Stuck {
+    std::optional<double> intersect(const Ray&, Interval range) const { return range.min; }
+    Vec3 normal_at(Point) const { return {0, 0, 1}; }
+  };
+  for (const double begin : {0.0, 1.0, 1e300})
+    CHECK_FALSE(first_t(Stuck{}, Ray{{0, 0, 0}, {0, 0, 1}}, {begin, infinity}));
+}

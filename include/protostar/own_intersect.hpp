@@ -40,18 +40,23 @@ namespace detail {
 /// A surface may ask one of the library's, which takes the range for that of exact roots. If the range begins
 /// at a rounded root, the exact one may lie behind its beginning and is found again, with the same t. The
 /// surface is then asked for a range that begins later: by one last place, and then by twice as much each
-/// time, up to the largest error of a root.
+/// time, up to the largest error of a root. Answers nearer to the beginning than that are this root, or those
+/// of a march that does not leave its start. At the end of the range, an exact root inside may have a rounded
+/// one that is not: as in all of a surface of one's own, the rounded one counts.
 template <Surface S>
 [[nodiscard]] std::optional<double> own_intersect(const S& surface, const Ray& ray, Interval range) {
   std::optional<double> t = surface.intersect(ray, range);
   if (!t || range.contains(*t)) return t;
+  [[maybe_unused]] const double first = *t;
   const double begin = std::abs(range.min), error = Roots::relative_error * begin;
-  const auto is_found_again = [&] { return t && *t <= range.min && *t >= range.min - error; };
-  for (double later = 0x1p-52 * begin; 0 < later && later < error && is_found_again(); later *= 2)
+  const auto is_at_beginning = [&] { return t && std::abs(*t - range.min) <= error; };
+  for (double later = 0x1p-52 * begin; 0 < later && later < error && is_at_beginning(); later *= 2)
     t = surface.intersect(ray, {range.min + later, range.max});
-  if (!t || range.contains(*t)) return t;
+  if (!t || (range.contains(*t) && !is_at_beginning())) return t;
 #ifndef NDEBUG
-  warn_of_range(name_of_type<S>(), *t, range);
+  const double behind = first - range.max;
+  if (!(0 <= behind && behind <= Roots::relative_error * std::abs(range.max)))
+    warn_of_range(name_of_type<S>(), first, range);
 #endif
   return std::nullopt;
 }

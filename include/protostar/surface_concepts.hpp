@@ -297,7 +297,7 @@ struct SurfaceRequirements {
       "Surface: the type has no intersect(const Ray&, Interval) const that returns std::optional<double>");
   static_assert(has_normal<S> || has_normal_of_primitives<S>,
                 "Surface: the type has no normal_at(Point) const that returns a Vec3");
-  static_assert(!has_normal_of_primitives<S> || is_made_of_primitives<S>,
+  static_assert(has_normal<S> || !has_normal_of_primitives<S> || is_made_of_primitives<S>,
                 "Surface: the type has normal_at(Point, int) const, for primitives, but no Departure "
                 "departure(int) const");
 };

@@ -132,8 +132,10 @@ Scene<Filled> filled;
   Filled "Surface: ends_inside(const Ray&) is not const or does not return bool")
 expect_refusal(scene.hpp [[
 struct Whole : Good { Uv uv_at(Point, int) const { return Uv{0}; } };
-struct Undeparted : Good { Vec3 normal_at(Point, int = 0) const { return {0, 0, 1}; } };
-struct Parts : Undeparted { Departure departure(int) const { return {}; } };
+struct Parts : Good {
+  Vec3 normal_at(Point, int = 0) const { return {0, 0, 1}; }
+  Departure departure(int) const { return {}; }
+};
 struct Textured : Parts { Uv uv_at(Point, int) { return Uv{0}; } };
 struct Directed : Parts { Vec3 tangents_at(Point, int) const { return {1, 0, 0}; } };
 struct Moved : Good { Point at_rest(Point point, double) { return point; } };
@@ -142,7 +144,6 @@ struct Maybe : Good {
   bool is_solid() { return false; }
 };
 Scene<Whole> whole;
-Scene<Undeparted> undeparted;
 Scene<Textured> textured;
 Scene<Directed> directed;
 Scene<Moved> moved;
@@ -150,7 +151,6 @@ Scene<Maybe> maybe;
 Scene<Parts> parts;
 ]]
   Whole "Surface: uv_at(Point, int) is not const, does not return a Uv, or lacks normal_at(Point, int)"
-  Undeparted "Surface: the type has normal_at(Point, int) const, for primitives, but no Departure departure(int) const"
   Textured "Surface: uv_at(Point, int) is not const, does not return a Uv, or lacks normal_at(Point, int)"
   Directed "Surface: tangents_at(Point, int) is not const, does not return Tangents, or lacks normal_at(Point, int)"
   Moved "Surface: at_rest(Point, double) is not const or does not return a Point"

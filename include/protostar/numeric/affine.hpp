@@ -26,7 +26,6 @@ struct Affine {
 
   /// Returns this map followed by a scaling along the axes, whose factors may be negative. Calls are chained
   /// in the order of the maps: Affine{}.scaled_by({2, 1, 1}).rotated_about({0, 1, 0}, 30).
-
   [[nodiscard]] Affine scaled_by(const Vec3& factors) const {
     return {factors * x, factors * y, factors * z, factors * translation};
   }
