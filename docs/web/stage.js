@@ -91,12 +91,10 @@ class StageView {
 
   // Shows the command that draws the picture elsewhere. The scene in which something was moved can be saved by its name.
   showCommand() {
-    const words = ['build/stages/' + this.program, ...this.sceneWords, ...this.controls.args()].join(' ');
-    if (!this.scene?.moved) return this.controls.command.replaceChildren(words);
-    const file = made('a', {textContent: 'scene.json', download: 'scene.json',
-                            href: 'data:application/json,' + encodeURIComponent(this.scene.text)});
-    const [before, behind] = words.split('scene.json');
-    this.controls.command.replaceChildren(before, file, behind);
+    const [file, ...others] = this.sceneWords, behind = [...others, ...this.controls.args()].join(' ');
+    const link = file && made('a', {textContent: file, download: file,
+                                    href: 'data:application/json,' + encodeURIComponent(this.scene.text)});
+    this.controls.command.replaceChildren(`build/stages/${this.program} `, ...(link ? [link, ' '] : []), behind);
   }
 
   // Draws the picture: first an eighth of the size, then whole, in bands that appear one by one if it takes long.
@@ -200,7 +198,7 @@ class StageView {
 
   // Shows why a pixel has its color: the words of --pixel beside the drawing of --rays.
   async ask(x, y) {
-    const question = ++this.asked;
+    const question = ++this.asked, [width, height] = this.controls.size;
     this.point(x, y);
     if (!isLoaded(this.program + '.explained')) this.tell('The module that explains pixels is being loaded.');
     try {
@@ -213,9 +211,9 @@ class StageView {
           return this.explain(x, y);
         }).catch(unlessCancelled);
         if (question !== this.asked) return;
+        if (String(this.controls.size) !== String([width, height])) throw new Error('The picture has another size now.');
       }
       const except = this.controls.has('--error') ? ' (The samples of --error are left out.)' : '';
-      const [width, height] = this.controls.size;
       // A line that is too long goes on below its own beginning.
       const lines = result.stdout.replace(/\n$/, '').split('\n').map(line => {
         const element = made('span', {textContent: line + '\n'});
@@ -401,7 +399,7 @@ function offerShader(section, view) {
       return result.replaceChildren(`The shader has no ${others.map(({name}) => name).join(' and no ')}: ` +
                                     `leave the field${others.length > 1 ? 's' : ''} empty.`);
     if (view.scene?.moved || !view.isDrawn)
-      return result.replaceChildren('Wait until the picture is whole, and put back what was moved.');
+      return result.replaceChildren('Only a whole picture is compared, in which nothing is moved.');
     const {showShader} = await import('./shader.js');
     const numbers = Object.fromEntries(controls.options.filter(({meta}) => meta === 'X').map(({name, byDefault}) =>
         [name.slice(2).toUpperCase().replaceAll('-', '_'), Number(controls.fields.get(name).value || byDefault)]));
