@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "compare_images/read_image.hpp"
 #include "figures/csv.hpp"
 #include "support/catch.hpp"
 #include "support/files.hpp"
@@ -218,6 +219,15 @@ TEST_CASE("docs/stages/09_shadow.md: the acne of the plain ray tracer, and why i
   const std::string acne = page_in_one_line("mistakes"), pixels = "9068 of 76800 pixels";
   CHECK_THAT(acne.substr(acne.find("<!-- mistake: acne -->"), 400), ContainsSubstring(pixels + " differ"));
   CHECK_THAT(page, ContainsSubstring("[" + pixels + "](../mistakes.md#acne) go dark"));
+
+  // In a larger picture, as many of 100 pixels are lit.
+  const Picture golden = read_image(std::string(PROTOSTAR_SOURCE_DIR) + "/tests/golden/09_shadow.png");
+  const auto lit = std::count_if(golden.pixels.begin(), golden.pixels.end(),
+                                 [](const auto& codes) { return codes[0] + codes[1] + codes[2] > 0; });
+  const double share = static_cast<double>(lit) / static_cast<double>(golden.pixels.size());
+  CHECK_THAT(page,
+             ContainsSubstring("which are " + std::to_string(std::lround(100 * 9068.0 / 76800 / share)) +
+                               " of 100 lit ones"));
 }
 
 TEST_CASE("pages say how long plain ray tracers are") {

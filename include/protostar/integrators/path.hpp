@@ -118,8 +118,7 @@ struct PathIntegrator : FirstHit<PathIntegrator> {
   /// Returns the share of its weight after the first bounce down to which a path goes on for sure. Below it,
   /// Russian roulette ends paths by chance, and those that go on get the weight of those that end, so that no
   /// light is lost on average. It is less without lights that vertices find (has_light): a path then
-  /// brings most of its light at its end. Both shares are choices, on which noise alone depends: without
-  /// lights, as in stage 26, ¼ leaves a twentieth less error than ½.
+  /// brings most of its light at its end. Both shares are choices, on which noise alone depends.
   [[nodiscard]] double sure_share(const auto& scene) const { return has_light(scene) ? 0.5 : 0.25; }
 
   /// Throws std::logic_error if the scene is not the one of the lights, or has another environment.
