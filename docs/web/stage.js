@@ -1,4 +1,5 @@
 // The part of a page that runs its stage: the picture, the options, and the answer to a pixel.
+import {fetchFile} from './fetch_file.js';
 import {Controls, parseHelp} from './options.js';
 import {Cancelled, Pool} from './pool.js';
 import {MovableScene} from './scene.js';
@@ -101,6 +102,7 @@ class StageView {
   async draw() {
     const drawing = ++this.drawing;
     this.pool.cancel();
+    this.markAnswer();
     const [width, height] = this.controls.size;
     this.showCommand();
     this.section.classList.add('busy');
@@ -235,6 +237,14 @@ class StageView {
     }
   }
 
+  // Says of an answer that is shown that it is about an earlier picture.
+  markAnswer() {
+    const title = this.answer.querySelector('h2:not(.earlier)');
+    if (!title) return;
+    title.classList.add('earlier');
+    title.prepend('In an earlier picture: ');
+  }
+
   // Runs --pixel. It takes no samples by an error. A size that is none is told by the program, as the picture has another
   // size than that of the program.
   async explain(x, y, ...args) {
@@ -277,9 +287,7 @@ class StageView {
 
   async loadScene() {
     const address = new URL(this.section.dataset.scene, location.href);
-    const response = await fetch(address);
-    if (!response.ok) throw new Error(`${address}: ${response.status} ${response.statusText}`);
-    const text = await response.text();
+    const text = await (await fetchFile(address)).text();
     let explanation;  // asked for again where a new picture has cancelled the run
     while (!explanation)
       explanation = await this.explanation(0, 0).catch(error => { if (!(error instanceof Cancelled)) throw error; });
