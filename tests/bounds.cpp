@@ -99,3 +99,24 @@ TEST_CASE("the bounds of a disk reach at least as far as its outline") {
   }
   CHECK(wrong == 0);
 }
+
+TEST_CASE("a box is halved across its longest side, unless no number lies between its ends") {
+  const auto sides = [](const Vec3& size) {
+    const auto halves = halves_of({{1, 2, 4}, Point{1, 2, 4} + size});
+    REQUIRE(halves);
+    const auto& [lower, upper] = *halves;
+    CHECK(lower.min == Point{1, 2, 4});
+    CHECK(upper.max == Point{1, 2, 4} + size);
+    return lower.max - upper.min;  // of each half, the other sides are those of the box
+  };
+  CHECK(sides({8, 4, 2}) == Vec3{0, 4, 2});
+  CHECK(sides({4, 8, 2}) == Vec3{4, 0, 2});
+  CHECK(sides({4, 2, 8}) == Vec3{4, 2, 0});
+  CHECK(sides({8, 8, 8}) == Vec3{0, 8, 8});
+  CHECK(halves_of({{1, 2, 4}, {9, 6, 6}})->at(0).max.x == 5);
+
+  const double next = std::nextafter(1.0, 2.0);
+  CHECK_FALSE(halves_of({Point{1}, Point{next}}));
+  CHECK_FALSE(halves_of({Point{1}, Point{1}}));
+  CHECK(halves_of({Point{1}, Point{std::nextafter(next, 2.0)}}));
+}

@@ -1,6 +1,9 @@
 // Axis-aligned bounding boxes of surfaces.
 #pragma once
 
+#include <array>
+#include <optional>
+
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -18,6 +21,21 @@ struct Bounds {
 /// most half a unit in the last place, and 2^-52 |x| is a whole one or more.
 [[nodiscard]] inline Bounds outward(const Bounds& rounded) {
   return {rounded.min - 0x1p-52 * abs(rounded.min), rounded.max + 0x1p-52 * abs(rounded.max)};
+}
+
+/// Returns the center of a finite box, whose sides are finite, too.
+[[nodiscard]] inline Point center_of(const Bounds& box) { return box.min + 0.5 * (box.max - box.min); }
+
+/// Returns the halves of such a box, cut across its longest side at its center; none if no number lies
+/// between the ends of that side.
+[[nodiscard]] inline std::optional<std::array<Bounds, 2>> halves_of(const Bounds& box) {
+  const Vec3 size = box.max - box.min;
+  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const double middle = center_of(box)[axis];
+  if (!(box.min[axis] < middle && middle < box.max[axis])) return {};
+  std::array<Bounds, 2> halves{box, box};
+  halves[0].max[axis] = halves[1].min[axis] = middle;
+  return halves;
 }
 
 /// Tests whether the line of a ray without errors surely has no point in a box: projected along one axis, the

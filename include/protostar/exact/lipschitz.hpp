@@ -363,18 +363,15 @@ struct FieldBound {
   double seen = 0;                         // a constant that some point needs
   for (int remaining = evaluations - 1; remaining >= 3; remaining -= 3) {
     const Part worst = parts.front();
-    const Vec3 size = worst.box.max - worst.box.min;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    const Point middle = worst.box.min + 0.5 * size;
-    if (!(worst.box.min[axis] < middle[axis] && middle[axis] < worst.box.max[axis])) break;
-    seen = std::max(seen, variation_over(field, {middle, middle}).lipschitz);
+    const auto halves = halves_of(worst.box);
+    if (!halves) break;
+    const Point center = center_of(worst.box);
+    seen = std::max(seen, variation_over(field, {center, center}).lipschitz);
     if (worst.bound.lipschitz <= (1 + 0x1p-20) * seen) break;
-    Bounds lower = worst.box, upper = worst.box;
-    lower.max[axis] = upper.min[axis] = middle[axis];
     std::pop_heap(parts.begin(), parts.end());
-    parts.back() = part(lower, worst.bound);
+    parts.back() = part((*halves)[0], worst.bound);
     std::push_heap(parts.begin(), parts.end());
-    parts.push_back(part(upper, worst.bound));
+    parts.push_back(part((*halves)[1], worst.bound));
     std::push_heap(parts.begin(), parts.end());
   }
   FieldBound bound{parts.front().bound.lipschitz, 0, parts.front().bound.curvature};

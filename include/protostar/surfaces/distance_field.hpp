@@ -209,13 +209,8 @@ class Marched<F> {
     const E values = field_(FieldPoint<E>{over(0), over(1), over(2)});
     if (values.lower > 0) return true;
     if (values.upper < 0) return false;
-    const Point middle = 0.5 * (part.min + part.max);
-    const Vec3 size = part.max - part.min;
-    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-    if (!(part.min[axis] < middle[axis] && middle[axis] < part.max[axis])) return false;
-    Bounds low = part, high = part;
-    low.max[axis] = high.min[axis] = middle[axis];
-    return is_positive_over(low, remaining) && is_positive_over(high, remaining);
+    const auto halves = halves_of(part);
+    return halves && is_positive_over((*halves)[0], remaining) && is_positive_over((*halves)[1], remaining);
   }
 
   F field_;
