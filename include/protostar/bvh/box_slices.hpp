@@ -40,19 +40,19 @@ struct Slices {
   }
 };
 
-/// Position of middles among the slices. It is finite: the step is 0 if they are no farther apart than
-/// 2^-100.
+/// Position of centers, of which it takes the doubles, among the slices. It is finite: the step is 0 if they
+/// are no farther apart than 2^-100.
 struct Slicing {
   int count;
   Float4 start, step;
 
-  Slicing(const Box& middles, int slices) : count(slices), start(middles.min) {
-    const Float4 size = middles.max - middles.min;
-    // A little less than the number of slices, so that the largest middle falls into the last slice.
+  Slicing(const Box& centers, int slices) : count(slices), start(centers.min) {
+    const Float4 size = centers.max - centers.min;
+    // A little less than the number of slices, so that the largest center falls into the last slice.
     const Float4 most = static_cast<float>(slices) * (1 - 0x1p-20f);
     step = select(size > Float4(0x1p-100f), most / size, Float4(0));
   }
-  [[nodiscard]] Float4 place(const Box& box) const { return (box.middle() - start) * step; }
+  [[nodiscard]] Float4 place(const Box& box) const { return (box.twice_center() - start) * step; }
 };
 
 }  // namespace protostar::inline PROTOSTAR_ABI::simd

@@ -48,10 +48,10 @@ struct Box {
   void add(Float4 point) { add(Box{point, point}); }
 
   /// Returns twice the center.
-  [[nodiscard]] Float4 middle() const { return min + max; }
+  [[nodiscard]] Float4 twice_center() const { return min + max; }
 
   /// Returns half of the surface area.
-  [[nodiscard]] float area() const {
+  [[nodiscard]] float half_area() const {
     const Float4 size = max - min;
     return size[0] * size[1] + size[1] * size[2] + size[2] * size[0];
   }

@@ -61,9 +61,10 @@ class TreeBuilder {
   struct Halves;
   static constexpr int most_rounds = 16;  ///< limits cuts that leave nearly all on one side
 
-  /// Primitives at consecutive positions, with the box around them and the box around their middles.
+  /// Primitives at consecutive positions, with the box around them and the box around twice their
+  /// centers.
   struct Range {
-    Box box, middles;
+    Box box, centers;
     std::uint32_t first, last;
     const Halves* halves = nullptr;  ///< the halves, if it has been cut already
 
@@ -74,13 +75,13 @@ class TreeBuilder {
   };
 
   [[nodiscard]] static Range empty_range(std::uint32_t first, std::uint32_t last) {
-    return {.box = Box::nothing(), .middles = Box::nothing(), .first = first, .last = last};
+    return {.box = Box::nothing(), .centers = Box::nothing(), .first = first, .last = last};
   }
   [[nodiscard]] Range range_of(std::uint32_t first, std::uint32_t last) const {
     Range range = empty_range(first, last);
     for (std::uint32_t i = first; i < last; ++i) {
       range.box.add(boxes_[i]);
-      range.middles.add(boxes_[i].middle());
+      range.centers.add(boxes_[i].twice_center());
     }
     return range;
   }
@@ -94,7 +95,7 @@ class TreeBuilder {
     Range all = empty_range(0, count);
     for (const Range& part : of_parts) {
       all.box.add(part.box);
-      all.middles.add(part.middles);
+      all.centers.add(part.centers);
     }
     return all;
   }
@@ -186,7 +187,7 @@ class TreeBuilder {
     const std::uint32_t all = parts[0].count();
     const bool by_cost = depth < levels_by_cost;
     const auto size_of = [&](const Range& part) {
-      return by_cost ? part.box.area() : static_cast<float>(part.count());
+      return by_cost ? part.box.half_area() : static_cast<float>(part.count());
     };
     // Returns the largest part, from index `from` on, that has more than `more_than` and at most `at_most`
     // primitives.
@@ -263,10 +264,10 @@ class TreeBuilder {
   }
 
   /// Cuts a range where that costs least, and brings the primitives of either side together; cuts it into
-  /// halves if all middles are in one place.
+  /// halves if all centers are in one place.
   [[nodiscard]] Halves cut_by_cost(const Range& range, const RenderOptions& threads) {
     const int slices = range.count() < 16 ? 4 : range.count() < 64 ? 8 : most_slices;
-    const Slicing slicing(range.middles, slices);
+    const Slicing slicing(range.centers, slices);
     const Parts parts{range.first, range.last};
     const Slices sums = sliced(slicing, parts, threads);
     const auto& slice = sums.on;
@@ -275,17 +276,17 @@ class TreeBuilder {
     int best_axis = -1, best_cut = 0;
     for (int axis = 0; axis < 3; ++axis) {
       if (slicing.step[axis] == 0) continue;
-      // No side of a cut is empty: the least middle is in the first slice, the largest in the last (Slicing).
+      // No side of a cut is empty: the least center is in the first slice, the largest in the last (Slicing).
       float right_cost[most_slices];
       Slice part = Slice::nothing();
       for (int cut = slices - 1; cut > 0; --cut) {
         part.add(slice[axis][cut]);
-        right_cost[cut] = part.box.area() * static_cast<float>(part.count);
+        right_cost[cut] = part.box.half_area() * static_cast<float>(part.count);
       }
       part = Slice::nothing();
       for (int cut = 1; cut < slices; ++cut) {
         part.add(slice[axis][cut - 1]);
-        const float cost = part.box.area() * static_cast<float>(part.count) + right_cost[cut];
+        const float cost = part.box.half_area() * static_cast<float>(part.count) + right_cost[cut];
         if (cost < lowest) lowest = cost, best_axis = axis, best_cut = cut;
       }
     }
@@ -296,17 +297,17 @@ class TreeBuilder {
     const Divided things = divided(parts, threads, [&](const Box& box) {
       return static_cast<int>(slicing.place(box)[best_axis]) >= best_cut;
     });
-    left.middles = things.middles[0];
-    right.middles = things.middles[1];
+    left.centers = things.centers[0];
+    right.centers = things.centers[1];
     left.last = right.first = things.middle;
     return {left, right};
   }
 
-  /// Primitives after a cut, the left ones before `middle`; `middles` are the boxes around the middles of
+  /// Primitives after a cut, the left ones before `middle`; `centers` are the boxes around the centers of
   /// either side.
   struct Divided {
     std::uint32_t first, middle, last;
-    Box middles[2];
+    Box centers[2];
   };
 
   /// Brings the primitives for which is_right(box) is false to the front of a range, and the others behind
@@ -319,7 +320,7 @@ class TreeBuilder {
     std::uint32_t middle = first;
     for (std::uint32_t i = first; i < last; ++i) {
       const bool is_one_right = is_right(boxes_[i]);
-      const Float4 place = boxes_[i].middle();
+      const Float4 place = boxes_[i].twice_center();
       const Mask<float, 4> to_right = is_one_right, to_left = !is_one_right;
       left.add(Box{select(to_left, place, left.min), select(to_left, place, left.max)});
       right.add(Box{select(to_right, place, right.min), select(to_right, place, right.max)});
@@ -342,7 +343,7 @@ class TreeBuilder {
     all.last = of_parts.back().last;
     for (std::size_t part = 1; part < of_parts.size(); ++part) {
       all.middle += of_parts[part].middle - of_parts[part].first;
-      for (int side = 0; side < 2; ++side) all.middles[side].add(of_parts[part].middles[side]);
+      for (int side = 0; side < 2; ++side) all.centers[side].add(of_parts[part].centers[side]);
     }
     bring_together(of_parts, all.middle);
     return all;
