@@ -353,6 +353,17 @@ TEST_CASE("update_golden replaces a golden only if a reason is given, and record
   CHECK_THAT(bytes_of(reasons), ContainsSubstring("\nThe first.\n\n- 01_gradient: new\n"));
   CHECK((bytes_of(folder / "tests/golden/01_gradient.png") == bytes_of(golden("01_gradient"))));
 
+  // The plain ray tracer of a page is compared with the golden that has changed.
+  fs::create_directories(folder / "docs/stages");
+  put_bytes(folder / "docs/stages/02_sphere.md", "<!-- plain: 02_sphere 1e-4 -->\n<!-- /plain -->\n");
+  fs::create_directory(folder / "tests/plain");
+  put_bytes(folder / "tests/plain/check", "#!/bin/sh\necho \"$@\" > checked.txt\n");
+  fs::permissions(folder / "tests/plain/check", fs::perms::owner_all);
+  put_bytes(folder / "tests/golden/02_sphere.png", wrong);
+  put_bytes(folder / "tests/golden/03_scene.png", wrong);
+  CHECK(update("y\\nBoth.\\n", " 02_sphere 01_gradient") == 0);
+  CHECK_THAT(bytes_of(folder / "checked.txt"), ContainsSubstring("/plain --write 02_sphere\n"));
+
   CHECK(update("", " 99_nothing") == 1);
   CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("no golden '99_nothing'"));
 }
