@@ -129,7 +129,8 @@ std::string json_of(const reference::SpheresOnGround& scene, double exposure, in
 
 }  // namespace
 
-TEST_CASE("pictures of 300 random spheres over a plane match a long double computation, within one level") {
+TEST_CASE("pictures of 300 random spheres over a plane match a long double computation, within one level",
+          "[bytes]") {
   const int width = 160, height = 120;
   const reference::SpheresOnGround scene = random_spheres();
   std::vector<reference::SpheresOnGround::Seen> seen;
@@ -178,7 +179,7 @@ TEST_CASE("the scene file of the three spheres gives the pictures of the stages,
         stage_picture(row.stage, "--size 160x120", "out.pfm"));
 }
 
-TEST_CASE("the scene file of stage 13 gives the whole picture of stage 13") {
+TEST_CASE("the scene file of stage 13 gives the whole picture of stage 13", "[bytes]") {
   CHECK(rendered("whitted", "") == stage_picture("13_whitted", ""));
 }
 
@@ -203,7 +204,7 @@ TEST_CASE("a scene file sets the size, the integrator and the transfer; options 
 }
 
 // After an intended change: build/stages/render scenes/NAME.json -o tests/golden/scenes/NAME.png
-TEST_CASE("every scene file gives its golden picture, and the gallery shows it") {
+TEST_CASE("every scene file gives its golden picture, and the gallery shows it", "[bytes]") {
   const std::string gallery = bytes_of(fs::path(PROTOSTAR_SOURCE_DIR) / "docs" / "gallery.md");
   for (const auto& entry : fs::directory_iterator(scenes_folder)) {
     if (entry.path().extension() != ".json") continue;

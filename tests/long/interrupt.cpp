@@ -93,7 +93,7 @@ TEST_CASE("the temporary file of a killed stage is removed by the next stage tha
   CHECK(bytes_of(folder / "out.ppm").starts_with("P3\n3 1\n"));
 }
 
-TEST_CASE("killing a stage does not affect another that writes the same picture") {
+TEST_CASE("killing a stage does not affect another that writes the same picture", "[bytes]") {
   const TemporaryFolder folder;
   const Command command = stage("01_gradient", words("--size 3000x2000 --quiet"), folder / "");
   Process first(command);

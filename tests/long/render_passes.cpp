@@ -48,7 +48,7 @@ std::string refusal_of(const RenderOptions& options, int width = 8, int height =
 
 }  // namespace
 
-TEST_CASE("a picture of some error has the bytes of as many samples at once") {
+TEST_CASE("a picture of some error has the bytes of as many samples at once", "[bytes]") {
   const auto scene = scene_in_passes();
   const DirectIntegrator direct(scene);
   const auto check = [&](const auto& integrator, double error) {
@@ -180,7 +180,7 @@ TEST_CASE("a picture takes little more than the samples that its error needs") {
   CHECK(std::exp(logarithms / count) < 2.2);
 }
 
-TEST_CASE("ordinary pictures keep their error targets, against pictures of many samples") {
+TEST_CASE("ordinary pictures keep their error targets, against pictures of many samples", "[bytes]") {
   const int seeds = cases(3, 200);
   const int coarser = cases(4, 2, 1);  // errors twice as large take a quarter of the samples
   const auto scene = scene_in_passes();
