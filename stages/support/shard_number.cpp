@@ -41,6 +41,13 @@ ShardNumber read_shard_number(std::string_view text) {
     const std::uint64_t id = variable("SLURM_ARRAY_TASK_ID", text, 0),
                         first = variable("SLURM_ARRAY_TASK_MIN", text, 0);
     shard.count = variable("SLURM_ARRAY_TASK_COUNT", text, 1);
+    if (std::getenv("SLURM_ARRAY_TASK_MAX") != nullptr)
+      if (const std::uint64_t last = variable("SLURM_ARRAY_TASK_MAX", text, 0);
+          last - first != shard.count - 1)
+        refuse_shard("SLURM_ARRAY_TASK_COUNT is " + std::to_string(shard.count) +
+                         " for the tasks from SLURM_ARRAY_TASK_MIN = " + std::to_string(first) +
+                         " to SLURM_ARRAY_TASK_MAX = " + std::to_string(last),
+                     "an array without gaps and steps");
     found = "SLURM_ARRAY_TASK_ID is " + std::to_string(id);
     allowed = "one of the SLURM_ARRAY_TASK_COUNT = " + std::to_string(shard.count) +
               " numbers from SLURM_ARRAY_TASK_MIN = " + std::to_string(first) + " on";
