@@ -91,7 +91,7 @@ void caustic(Drawing& drawing) {
   sketch.line({least, 0, 0}, {most, 0, 0}, Paint::red, Stroke::bold);
   sketch.lamp(lamp);
   sketch.words(lamp, {22, 6}, "the lamp", Paint::orange);
-  sketch.words(ball.center, {-58, -20}, "glass", Paint::blue, Anchor::end);
+  sketch.words(ball.center, {-44, -46}, "glass", Paint::blue, Anchor::end);
   sketch.words({(least + most) / 2, 0, 0}, {0, 24}, "the caustic", Paint::red, Anchor::middle);
   // A path from the eye draws directions out of the floor alike; few lead through the ball to the lamp.
   const Point place{(least + most) / 2, 0, 0};
