@@ -288,7 +288,8 @@ TEST_CASE("every pixel of pictures is within its error") {
 
 TEST_CASE("the price of every pixel grows with the clamp and with the logarithm of the pixels") {
   const Tile picture{0, 0, 640, 480};
-  // ln(2 · 3 · 307200/.05) = 17.42, and 17.42/(.75 · .01) = 2323.03 asks for 2324 observations of 8 samples, two in a block.
+  // ln(2 · 3 · 307200/.05) = 17.42, and 17.42/(.75 · .01) = 2323.03 asks for 2324 observations of 8 samples,
+  // two in a block.
   CHECK(EveryPixel(0.01, 1, picture).samples_of_block() == 16);
   CHECK(EveryPixel(0.01, 1, picture).least_samples() == 1162 * 16);
   CHECK(EveryPixel(0.01, 100, picture).least_samples() == 116152 * 2);
