@@ -1,7 +1,7 @@
 // Draws the shaders of stages/shaders with WebGL 2, and shows where their pictures differ from exact ones.
 //
 // A page calls showShader(element, stage, reference); the tests call Shader and difference.
-import {fetchFile} from './fetch_file.js';
+import {fetchText} from './fetch_file.mjs';
 
 // Vertices of one triangle that covers the whole picture, without a buffer: (-1, -1), (3, -1), (-1, 3).
 const vertices = `#version 300 es
@@ -135,8 +135,8 @@ export async function showShader(element, stage, reference,
   element.replaceChildren('The shader is drawn …');
   let shader;
   try {
-    const file = await fetchFile(new URL(`${stage}.frag`, new URL(folder, location.href)));
-    shader = new Shader(await file.text(), Object.keys(numbers));
+    const source = await fetchText(new URL(`${stage}.frag`, new URL(folder, location.href)));
+    shader = new Shader(source, Object.keys(numbers));
     const pixels = await shader.draw(reference.width, reference.height, numbers);
     const found = difference(pixels, reference), all = found.compared;
     element.replaceChildren(

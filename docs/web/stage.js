@@ -1,5 +1,5 @@
 // The part of a page that runs its stage: the picture, the options, and the answer to a pixel.
-import {fetchFile} from './fetch_file.js';
+import {fetchText} from './fetch_file.mjs';
 import {Controls, parseHelp} from './options.js';
 import {Cancelled, Pool} from './pool.js';
 import {MovableScene} from './scene.js';
@@ -237,12 +237,12 @@ class StageView {
     }
   }
 
-  // Says of an answer that is shown that it is about an earlier picture.
+  // Says of an answer that is shown that something has changed since.
   markAnswer() {
     const title = this.answer.querySelector('h2:not(.earlier)');
     if (!title) return;
     title.classList.add('earlier');
-    title.prepend('In an earlier picture: ');
+    title.prepend('Before the last change: ');
   }
 
   // Runs --pixel. It takes no samples by an error. A size that is none is told by the program, as the picture has another
@@ -287,7 +287,7 @@ class StageView {
 
   async loadScene() {
     const address = new URL(this.section.dataset.scene, location.href);
-    const text = await (await fetchFile(address)).text();
+    const text = await fetchText(address);
     let explanation;  // asked for again where a new picture has cancelled the run
     while (!explanation)
       explanation = await this.explanation(0, 0).catch(error => { if (!(error instanceof Cancelled)) throw error; });
@@ -310,6 +310,7 @@ class StageView {
     if (this.section.classList.contains('busy')) this.pool.cancel();  // a whole picture would be in the way
     ++this.drawing;
     this.section.classList.remove('busy');
+    this.markAnswer();
     this.scene.move(index, right, down, this.canvas.height);
     this.back.disabled = false;
     clearTimeout(this.whole);

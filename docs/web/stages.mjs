@@ -15,7 +15,7 @@
 // it is asked for, and which draws slowly:
 //
 //   const explained = await loadStage('09_shadow.explained');
-import {fetchFile} from './fetch_file.js';
+import {fetchBytes} from './fetch_file.mjs';
 import {modules} from './modules.mjs';
 
 /// Names of all stages, and 'render', which draws scene files.
@@ -44,7 +44,7 @@ async function fetched(file) {
     const {readFile} = await import('node:fs/promises');
     return readFile(url);
   }
-  return new Uint8Array(await (await fetchFile(url)).arrayBuffer());
+  return fetchBytes(url);
 }
 
 /// Returns the promise under a key, which `make` gives the first time. One that is rejected is made again the next time.
