@@ -359,10 +359,20 @@ TEST_CASE("update_golden replaces a golden only if a reason is given, and record
   fs::create_directory(folder / "tests/plain");
   put_bytes(folder / "tests/plain/check", "#!/bin/sh\necho \"$@\" > checked.txt\n");
   fs::permissions(folder / "tests/plain/check", fs::perms::owner_all);
-  put_bytes(folder / "tests/golden/02_sphere.png", wrong);
-  put_bytes(folder / "tests/golden/03_scene.png", wrong);
-  CHECK(update("y\\nBoth.\\n", " 02_sphere 01_gradient") == 0);
+  const auto spoil_both = [&] {
+    put_bytes(folder / "tests/golden/02_sphere.png", wrong);
+    put_bytes(folder / "tests/golden/03_scene.png", right);
+  };
+  spoil_both();
+  CHECK(update("y\\nBoth.\\n", " 02_sphere 03_scene") == 0);  // the page of 03_scene has no such line
   CHECK_THAT(bytes_of(folder / "checked.txt"), ContainsSubstring("/plain --write 02_sphere\n"));
+
+  // If that fails, the goldens are replaced all the same, and what is left to do is told.
+  put_bytes(folder / "tests/plain/check", "#!/bin/sh\nexit 1\n");
+  spoil_both();
+  CHECK(update("y\\nBoth again.\\n", " 02_sphere 03_scene") == 1);
+  CHECK((sphere() == right));
+  CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("FOLDER --write 02_sphere\n"));
 
   CHECK(update("", " 99_nothing") == 1);
   CHECK_THAT(bytes_of(folder / "output.txt"), ContainsSubstring("no golden '99_nothing'"));
