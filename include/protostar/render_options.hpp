@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <type_traits>
 
 #include "function_ref.hpp"
 #include "image.hpp"
@@ -101,6 +102,7 @@ class PassOption {
   PassOption(T value) : value_(value), draw_(&detail::draw_in_passes) {}
 
   constexpr operator T() const { return value_; }
+  constexpr T operator->() const requires std::is_pointer_v<T> { return value_; }
 
   /// Returns the function that draws in passes, or null if no value was given.
   [[nodiscard]] auto draw() const { return draw_; }

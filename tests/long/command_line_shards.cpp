@@ -310,7 +310,7 @@ std::uint64_t units_until(int signal, const std::string& name, const std::string
 
 }  // namespace
 
-TEST_CASE("a long render goes on from its checkpoint, also in parts, and removes it at the end", "[bytes]") {
+TEST_CASE("a long render goes on from its checkpoint, also in parts, and removes it at the end") {
   const std::string part = GENERATE("", " --shard 1/2 -o a.shard");
   CAPTURE(part);
   const std::string file = part.empty() ? "out.ppm" : "a.shard";

@@ -40,8 +40,8 @@ struct Slices {
   }
 };
 
-/// Position of centers, of which it takes the doubles, among the slices. It is finite: the step is 0 if they
-/// are no farther apart than 2^-100.
+/// Position of centers among the slices; all are given twice as large (Box::twice_center). It is finite: the
+/// step is 0 if they are no farther apart than 2^-100.
 struct Slicing {
   int count;
   Float4 start, step;

@@ -303,8 +303,8 @@ class TreeBuilder {
     return {left, right};
   }
 
-  /// Primitives after a cut, the left ones before `middle`; `centers` are the boxes around the centers of
-  /// either side.
+  /// Primitives after a cut, the left ones before `middle`; `centers` are the boxes around twice the
+  /// centers of either side.
   struct Divided {
     std::uint32_t first, middle, last;
     Box centers[2];

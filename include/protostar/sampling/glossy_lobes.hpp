@@ -95,8 +95,8 @@ struct GgxLobe {
   Color color{1};          ///< share of light that a microfacet reflects at normal incidence
   double roughness = 0.5;  ///< from 0, a mirror, to 1
 
-  /// Least α. Such a lobe is as narrow as 10^-6 radians, a thousandth of a pixel, but far wider than the
-  /// error of a direction, 2^-51, so a mirror needs no formulas of its own.
+  /// Least α. Half of such a lobe lies within 2·10^-6 radians, about a thousandth of a pixel, but it is far
+  /// wider than the error of a direction, 2^-51, so a mirror needs no formulas of its own.
   static constexpr double least_width = 0x1p-20;
 
   /// Returns α, the width of the distribution of slopes: the square of the roughness, which looks as if it
