@@ -50,7 +50,7 @@ TEST_CASE("the option --help tells what an option of a stage's own is by default
         {"30_fixed_step", "in scene units [0.25]"},
         {"31_sphere_tracing", "in scene units [0.001]"}}) {
     CAPTURE(stage);
-    CHECK_THAT(run_stage(stage, "--help", folder).out, ContainsSubstring(text));
+    CHECK_THAT(stage_help(stage, folder), ContainsSubstring(text));
   }
 }
 

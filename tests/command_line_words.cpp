@@ -75,7 +75,9 @@ TEST_CASE("an error in usage names the words that are wrong") {
         "The following arguments were not expected: '-x' 'a' '-o'");
   CHECK(words_read({"--siz=3"}, false).error == "The following argument was not expected: '--siz=3'");
   CHECK(words_read({"--size"}, false).error == "--size: 1 required WxH missing");
-  CHECK(words_read({"-o", "a", "-ob"}, false).error == "-o: At Most 1 required but received 2");
+  const std::string twice = words_read({"-o", "a", "-ob"}, false).error;  // newer versions of CLI11: At most
+  CHECK(
+      (twice == "-o: At Most 1 required but received 2" || twice == "-o: At most 1 required but received 2"));
   CHECK(words_read({"--size="}, false).error == "--size: a value is missing: '--size='");
   CHECK(words_read({"--quiet=1"}, false).error == "--quiet takes no value: '--quiet=1'");
   CHECK(words_read({"-h=1"}, false).error == "-h takes no value: '-h=1'");

@@ -327,8 +327,8 @@ TEST_CASE("the bounds of a mesh contain its triangles, and not unused vertices")
 TEST_CASE("a ray that leaves a plane or a triangle does not hit triangles of a mesh in the same plane") {
   const Mesh box(meshes::box(3), {.threads = 1});
   const Plane side{.normal = {0, 2, 0}, .distance = 6};
-  for (const Departure& departure :
-       {side.departure(), Triangle{{0, 3, 0}, {0, 3, 1}, {1, 3, 0}}.departure()}) {
+  const Departure departures[] = {side.departure(), Triangle{{0, 3, 0}, {0, 3, 1}, {1, 3, 0}}.departure()};
+  for (const Departure& departure : departures) {
     const Ray down{{0.3, 3 + 1e-15, 0.4}, {0.1, -1, 0.2}, departure};
     const auto t = box.intersect(down);
     REQUIRE(t);

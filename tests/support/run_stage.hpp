@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <sstream>
 #include <string>
 #include <system_error>
 #include <utility>
@@ -37,6 +38,18 @@ inline std::string stage_picture(const std::string& name, const std::string& arg
   CHECK(outcome.out + outcome.err == "");
   CHECK(folder.count() == 1);
   return bytes_of(folder / file);
+}
+
+/// Returns what a stage prints for --help, with a single blank between words: where its lines end depends on
+/// the version of CLI11.
+inline std::string stage_help(const std::string& name, const TemporaryFolder& folder) {
+  const Outcome help = run_stage(name, "--help", folder);
+  CHECK(help.status == 0);
+  CHECK(help.err == "");
+  std::istringstream words(help.out);
+  std::string text, word;
+  while (words >> word) text += (text.empty() ? "" : " ") + word;
+  return text;
 }
 
 /// Returns the line that a stage prints, with every number of its times replaced by 0.
