@@ -101,9 +101,9 @@ class AnySurface {
 
   struct Holder {
     const SurfaceFunctions& functions;
-    const void* surface;  ///< first argument of the functions
+    const void* surface = nullptr;  ///< first argument of the functions, which Held sets
 
-    Holder(const SurfaceFunctions& of_surface, const void* held) : functions(of_surface), surface(held) {}
+    explicit Holder(const SurfaceFunctions& of_surface) : functions(of_surface) {}
     virtual ~Holder() = default;
     virtual std::unique_ptr<Holder> copy() const = 0;
     virtual std::optional<Crossing> first_crossing(const Ray&, Interval) const = 0;
@@ -133,7 +133,7 @@ class AnySurface {
   struct Held final : Holder {
     static_assert(detail::SurfaceOffers<S>::hold);
 
-    explicit Held(S s) : Holder(functions_of<S>, &one), one(std::move(s)) {}
+    explicit Held(S s) : Holder(functions_of<S>), one(std::move(s)) { surface = &one; }
     std::unique_ptr<Holder> copy() const override { return std::make_unique<Held>(one); }
     std::optional<Crossing> first_crossing(const Ray& ray, Interval range) const override {
       return protostar::first_crossing(one, ray, range);
