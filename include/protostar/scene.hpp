@@ -35,8 +35,9 @@ inline constexpr bool has_any_hit = requires(const T& scene, const Ray& ray, Int
   { scene.occluded(ray, range) } -> std::same_as<bool>;
 };
 template <class T>
-inline constexpr bool has_all_hits = requires(const T& scene, const Ray& ray, Interval range) {
-  scene.crossings(ray, range, [](const Intersection&) {});
+inline constexpr bool has_all_hits = requires(const T& scene, const Ray& ray, Interval range,
+                                              void (*visit)(const Intersection&)) {
+  scene.crossings(ray, range, visit);
 };
 
 }  // namespace detail

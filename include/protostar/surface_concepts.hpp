@@ -124,10 +124,10 @@ concept PreparedSurface = SurfaceWithEquation<S> && requires(const S& surface, c
 /// two crossings per line (Torus), or one that is marched. Its functions take account of departures, and
 /// each_crossing visits near to far.
 template <class S>
-concept CompositeSurface = Surface<S> &&
-    requires(const S& surface, const Ray& ray, Interval range, const Crossing& crossing) {
+concept CompositeSurface = Surface<S> && requires(const S& surface, const Ray& ray, Interval range,
+                                                  const Crossing& crossing, void (*visit)(const Crossing&)) {
   { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
-  surface.each_crossing(ray, range, [](const Crossing&) {});
+  surface.each_crossing(ray, range, visit);
   { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
 };
 
