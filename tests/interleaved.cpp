@@ -75,6 +75,7 @@ void compare(const simd::Bvh& tree, const std::vector<Query>& queries) {
       visit, visit_leaf, [&](Leaf) { ++fetched; });
   CHECK(std::all_of(done.begin(), done.end(), [](int times) { return times == 1; }));
   CHECK((seen > 0) == !queries.empty());
+  if (tree.nodes().size() > 1 && !queries.empty()) CHECK(fetched > 0);
   // The nearest child comes first, and only waiting children may have another order.
   CHECK(same_first >= 0.8 * any_seen);
 }
