@@ -117,9 +117,8 @@ TEST_CASE("directions to a disk are uniform in its solid angle") {
     CHECK(std::abs(left - count / 2.0) < 5 * std::sqrt(count / 4.0));
     if (std::abs(h) < 0.05) continue;  // the reference has too few midpoints
     const auto counted = [&](int i) { return rings[static_cast<std::size_t>(i)]; };
-    const auto expected = [&, rho = rho, h = h](int i) {
-      return count * solid_angle_of_disk_by_area(std::abs(h), rho, 0.2 * (i + 1), 0.2 * i) /
-             view.solid_angle();
+    const auto expected = [&, size = rho, above = std::abs(h)](int i) {
+      return count * solid_angle_of_disk_by_area(above, size, 0.2 * (i + 1), 0.2 * i) / view.solid_angle();
     };
     CHECK(chi_squared_over_bound(5, counted, expected) < 1);
   }

@@ -258,8 +258,8 @@ std::vector<std::string> complaints(const Headers& headers) {
   if (const std::string header = header_in_a_cycle(headers); !header.empty())
     found.push_back(header + " is included by way of itself");
   for (const auto& [header, text] : headers) {
-    const auto complain = [&found, &header = header](const std::string& what) {
-      found.push_back(header + " " + what);
+    const auto complain = [&found, &of = header](const std::string& what) {
+      found.push_back(of + " " + what);
     };
     const Includes includes = includes_of(header, text);
     for (const std::string& directive : includes.malformed) complain("is not to say " + directive);

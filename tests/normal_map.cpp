@@ -146,10 +146,9 @@ TEST_CASE("tangents lead where u grows and v stays, and where v grows and u stay
     const auto scene = scene_of(surface, Material{});
     const Intersection hit = hit_of(scene, ray);
     const Tangents along = surface.tangents_at(hit.point(), hit.primitive());
-    const auto moved_by = [&, &surface = surface](const Vec3& way) {
+    const auto moved_by = [&, &on = surface](const Vec3& way) {
       const Vec3 step = 0x1p-16 / length(way) * way;
-      return surface.uv_at(hit.point() + step, hit.primitive()) -
-             surface.uv_at(hit.point() - step, hit.primitive());
+      return on.uv_at(hit.point() + step, hit.primitive()) - on.uv_at(hit.point() - step, hit.primitive());
     };
     const Uv by_u = moved_by(along.u), by_v = moved_by(along.v);
     constexpr double u = 0x1p-53;

@@ -316,9 +316,9 @@ TEST_CASE("a packet hits spheres of any size and position where each of its rays
        {Row{0, 1e-6}, Row{65537, 1}, Row{65537, -1e-3}, Row{0, 1e6}, Row{1e9, 1}, Row{0, 1e300},
         Row{0, 1e-300}, Row{0, 1e160}, Row{0, 5e-324}}) {
     CAPTURE(center, radius);
-    const auto near_it = [center = center, size = std::abs(radius)](Random& r) {
-      const Point from = center + r.point(3 * size);
-      return Ray{from, (center + r.point(size) - from) * std::exp2(r.real(-2, 2))};
+    const auto near_it = [middle = center, size = std::abs(radius)](Random& r) {
+      const Point from = middle + r.point(3 * size);
+      return Ray{from, (middle + r.point(size) - from) * std::exp2(r.real(-2, 2))};
     };
     const Comparison tally = compare(near_it, at(center, radius), cases(250, 1000));
     CHECK(tally.wrong == 0);

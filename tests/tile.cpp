@@ -144,9 +144,9 @@ void look(const Camera& camera, int width, int height, const std::function<Spher
   counts.all += static_cast<int>(spheres.size());
   counts.kept += in_tile.size();
   for (std::size_t i = 0; i < spheres.size(); ++i) {
-    const auto [x, y] = pixels[i];
+    const int x = pixels[i].x, y = pixels[i].y;
     const auto t = spheres[i].intersect(camera.through_pixel(x, y, width, height));
-    const auto wrong_if = [&, x = x, y = y](bool is_wrong, WrongCases& cases, const auto&... values) {
+    const auto wrong_if = [&](bool is_wrong, WrongCases& cases, const auto&... values) {
       cases.add(is_wrong, camera, "size", width, height, "pixel", x, y, spheres[i], "t", t, values...);
     };
     if (rays.is_pinhole()) {

@@ -232,10 +232,10 @@ class Writer {
       json_.member("direction", sample.ray.direction);
       if (!sample.sets.empty())
         json_.key("sets").array([&] {
-          for (const auto& [set, numbers] : sample.sets)
-            json_.next().object([&, set = set, &numbers = numbers] {
-              json_.member("set", set);
-              json_.key("numbers").list(numbers);
+          for (const auto& drawn : sample.sets)
+            json_.next().object([&] {
+              json_.member("set", drawn.first);
+              json_.key("numbers").list(drawn.second);
             });
         });
       write_following(sample.all);

@@ -124,7 +124,7 @@ void false_waves(Drawing& drawing) {
   };
   for (const auto& [length, y, words] :
        {Row{8, 70, "8 pixels long"}, Row{10.0 / 9, 210, "1.11 pixels long"}}) {
-    const auto wave = [length = length](double x) { return cosine_of_degrees(360 * x / length); };
+    const auto wave = [period = length](double x) { return cosine_of_degrees(360 * x / period); };
     // The mean over a pixel, of Hammersley's many places
     const auto places = places_of(256);
     const auto mean = [&](int pixel) {
@@ -132,7 +132,9 @@ void false_waves(Drawing& drawing) {
       for (const FilteredPlace<double>& place : places) sum += wave(pixel + place.x);
       return sum / static_cast<double>(places.size());
     };
-    const auto at = [&, y = y](double x, double value) { return Place{left + wide * x, y - 26 * value}; };
+    const auto at = [&, zero = y](double x, double value) {
+      return Place{left + wide * x, zero - 26 * value};
+    };
     std::vector<Place> true_wave, centers, means;
     for (int i = 0; i <= 24 * pixels; ++i) true_wave.push_back(at(i / 24.0, wave(i / 24.0)));
     for (int i = 0; i < pixels; ++i) {

@@ -177,8 +177,8 @@ void step_lengths(Drawing& drawing) {
                                    {0.2, "0.2"},
                                    {0.1, "0.1"},
                                    {0.05, "0.05"}})
-    rows.emplace_back(name, wrong_pixels([step = step](const Balls& balls, const Ray& ray, int& steps) {
-                        return by_fixed_steps(balls, ray, step, steps);
+    rows.emplace_back(name, wrong_pixels([by = step](const Balls& balls, const Ray& ray, int& steps) {
+                        return by_fixed_steps(balls, ray, by, steps);
                       }));
   expect(rows.front().second > 1000 && rows.back().second < 100, "step_lengths");
   bars(drawing, rows, Paint::red, 280);

@@ -25,13 +25,15 @@ using PlainDouble = Plain<double>;
 /// Evaluates the operations of a tape at a point.
 double value_of(const FieldTape& tape, const Point& p) {
   std::vector<PlainDouble> results;
-  for (const auto& [name, of, number] : tape.operations()) {
-    const auto operand = [&, &of = of](std::size_t i) { return results.at(of.at(i)); };
-    const auto result = [&, name = name, &of = of, number = number]() -> PlainDouble {
+  for (const FieldTape::Operation& operation : tape.operations()) {
+    const std::string_view name = operation.name;
+    const std::vector<std::size_t>& of = operation.of;
+    const auto operand = [&](std::size_t i) { return results.at(of.at(i)); };
+    const auto result = [&]() -> PlainDouble {
       if (name == "x") return p.x;
       if (name == "y") return p.y;
       if (name == "z") return p.z;
-      if (name == "constant") return number;
+      if (name == "constant") return operation.number;
       if (name == "result") return operand(0);
       if (name == "minus") return -operand(0);
       if (name == "sum") return operand(0) + operand(1);
@@ -49,7 +51,7 @@ double value_of(const FieldTape& tape, const Point& p) {
       if (name == "cos") return cos(operand(0));
       if (name == "exp") return exp(operand(0));
       if (name == "log") return log(operand(0));
-      if (name == "smooth_min") return smooth_min(operand(0), operand(1), number);
+      if (name == "smooth_min") return smooth_min(operand(0), operand(1), operation.number);
       REQUIRE(name == "length");
       if (of.size() == 2) return length(Vec2<PlainDouble>{operand(0), operand(1)});
       return length(FieldPoint<PlainDouble>{operand(0), operand(1), operand(2)});

@@ -170,11 +170,11 @@ template <class I, class View>
   for (std::size_t first = 0; first < packets.size(); first += wave.most_starting_packets) {
     const std::size_t count = std::min(wave.most_starting_packets, packets.size() - first);
     for (std::size_t k = 0; k < count; ++k) {
-      const auto [x, y] = packets[first + k];
-      view.set_packet_position(x, y, i);
-      const CameraPacket rays = rays_of.packet(part, x, y, i, ray_numbers[first + k]);
-      const auto begin = [&, x = x, y = y](const Ray& ray, const SurfaceCrossing& hit, int lane) {
-        wave.begin(ray, hit, x + lane, y, k, lane);
+      const PacketStart start = packets[first + k];
+      view.set_packet_position(start.x, start.y, i);
+      const CameraPacket rays = rays_of.packet(part, start.x, start.y, i, ray_numbers[first + k]);
+      const auto begin = [&](const Ray& ray, const SurfaceCrossing& hit, int lane) {
+        wave.begin(ray, hit, start.x + lane, start.y, k, lane);
       };
       const LaneMask met = view.each_hit(rays, closest[first + k], begin);
       wave.set(k, any(rays.active && !met) ? Colors(integrator.background(rays, view)) : Colors(Color{0}));
