@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <exception>
+#include <new>
 #include <string>
 #include <utility>
 
@@ -123,9 +124,13 @@ extern "C" int __wrap_strerror_r(int number, char* to, std::size_t size) {
   return __wrap_snprintf(to, size, "error %d", number), 0;
 }
 
-// Replace the ends of programs of the C++ library, which would print the reason by printf.
+// Replace the ends of programs of the C++ library, which would print the reason by printf. They are weak: the
+// library's own are taken where its parts are cut in another way, which makes modules larger.
+#define WEAK __attribute__((weak))
 extern "C" {
-void abort_message(const char*, ...) { std::abort(); }
-std::terminate_handler __cxa_terminate_handler = std::abort;
-std::terminate_handler __cxa_unexpected_handler = std::abort;
+WEAK void abort_message(const char*, ...) { std::abort(); }
+WEAK void __abort_message(const char*, ...) { std::abort(); }  // its name from LLVM 20 on
+WEAK std::terminate_handler __cxa_terminate_handler = std::abort;
+WEAK std::terminate_handler __cxa_unexpected_handler = std::abort;
+WEAK std::new_handler __cxa_new_handler = nullptr;
 }
