@@ -477,6 +477,17 @@ TEST_CASE("if no thread can be started the main thread draws the picture, unless
 }
 
 #if !defined(ADDRESS_SANITIZER)  // it alone exceeds the limit
+TEST_CASE("threads that draw need no more than 256 KiB of stack") {
+  const StageRow row = GENERATE(from_range(built_stages));
+  CAPTURE(row.name);
+  const TemporaryFolder folder;
+  const Outcome outcome = run_stage(row.name, "--size 32x24 --threads 2 --quiet", folder, [] {
+    const rlimit limit{262'144, 262'144};
+    setrlimit(RLIMIT_STACK, &limit);  // which glibc gives to threads as well
+  });
+  CHECK(outcome.status == 0);
+}
+
 TEST_CASE("a picture that does not fit into memory is refused with a message") {
   const TemporaryFolder folder;
   const Outcome outcome = run_stage("02_sphere", "--size 268435456x1", folder, [] {
