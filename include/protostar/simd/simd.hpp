@@ -128,7 +128,7 @@ template <class T, int N>
   return mask.v;
 #else
 #if defined(PROTOSTAR_VECTORS)
-  constexpr std::size_t size = sizeof(mask.v);
+  [[maybe_unused]] constexpr std::size_t size = sizeof(mask.v);
 #if defined(__AVX__)
   if constexpr (size == 32 && sizeof(T) == 4) return static_cast<Bits>(_mm256_movemask_ps((__m256)mask.v));
   if constexpr (size == 32 && sizeof(T) == 8) return static_cast<Bits>(_mm256_movemask_pd((__m256d)mask.v));
@@ -206,8 +206,8 @@ template <class T, int N>
 template <class T, int N>
 [[nodiscard]] Lanes<T, N> sqrt(Lanes<T, N> a) {
 #if defined(PROTOSTAR_VECTORS)
-  constexpr std::size_t size = sizeof(a.v);
-  using V = detail::Vector<T, N>;
+  [[maybe_unused]] constexpr std::size_t size = sizeof(a.v);
+  using V [[maybe_unused]] = detail::Vector<T, N>;
 #if defined(__AVX512F__)
   if constexpr (size == 64 && sizeof(T) == 4) return (V)_mm512_maskz_sqrt_ps(0xffff, (__m512)a.v);
   if constexpr (size == 64 && sizeof(T) == 8) return (V)_mm512_maskz_sqrt_pd(0xff, (__m512d)a.v);
