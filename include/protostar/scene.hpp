@@ -37,7 +37,7 @@ inline constexpr bool has_any_hit = requires(const T& scene, const Ray& ray, Int
 template <class T>
 inline constexpr bool has_all_hits = requires(const T& scene, const Ray& ray, Interval range,
                                               void (*visit)(const Intersection&)) {
-  scene.crossings(ray, range, visit);
+  scene.crossings(ray, range, +visit);  // a temporary, as visitors mostly are
 };
 
 }  // namespace detail

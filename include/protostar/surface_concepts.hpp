@@ -127,7 +127,7 @@ template <class S>
 concept CompositeSurface = Surface<S> && requires(const S& surface, const Ray& ray, Interval range,
                                                   const Crossing& crossing, void (*visit)(const Crossing&)) {
   { surface.first_crossing(ray, range) } -> std::same_as<std::optional<Crossing>>;
-  surface.each_crossing(ray, range, visit);
+  surface.each_crossing(ray, range, +visit);  // a temporary, as visitors mostly are
   { surface.exact_root(ray, crossing) } -> std::same_as<ExactRoot>;
 };
 
