@@ -12,7 +12,6 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
-#include <utility>
 
 #include "../vec3.hpp"
 #include "equation.hpp"
@@ -63,9 +62,16 @@ struct CornerEdges {
 
 namespace detail {
 
+/// Lines that surely pass outside of an outline, and those that surely pass inside.
+template <class Lines>
+struct SureSides {
+  Lines outside, inside;
+};
+template <class Lines>
+SureSides(Lines, Lines) -> SureSides<Lines>;
+
 /// Returns the equation in double of a parallelogram or a triangle with the corner p and two edges u and v,
-/// for one or more lines. sides(x, y, slope, E) returns which lines surely pass outside and which inside,
-/// with
+/// for one or more lines. sides(x, y, slope, E) returns their SureSides, with
 ///   slope = (u × v)·d,   x = v·m,   y = u·m   and   m = w × d,
 /// whose comparisons have an error below E. With U, V, W, D the sums of the sizes of u, v, w and d, errors
 /// are at most 11u D (U V + (U + V) W); E is 16u of it.
@@ -170,8 +176,8 @@ template <class V>
         using std::abs;
         const auto turned = slope < 0.0;
         const auto along_u = select(turned, -x, x), along_v = select(turned, y, -y), end = abs(slope);
-        return std::pair(along_u < -E || along_v < -E || along_u > end + E || along_v > end + E,
-                         along_u > E && along_v > E && along_u < end - E && along_v < end - E);
+        return detail::SureSides{along_u < -E || along_v < -E || along_u > end + E || along_v > end + E,
+                                 along_u > E && along_v > E && along_u < end - E && along_v < end - E};
       });
 }
 
@@ -218,7 +224,8 @@ template <class V>
                                         using std::max, std::min;
                                         const auto ab = -y, ca = x, bc = slope - ab - ca;
                                         const auto least = min(ab, min(bc, ca)), most = max(ab, max(bc, ca));
-                                        return std::pair(most > E && least<-E, least> E || most < -E);
+                                        const auto outside = most > E && least < -E;
+                                        return detail::SureSides{outside, least > E || most < -E};
                                       });
 }
 [[nodiscard, gnu::always_inline]] inline auto triangle_equation(const auto& rays, const auto& a,
