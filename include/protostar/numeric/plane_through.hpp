@@ -18,13 +18,11 @@
 #include "../vec3.hpp"
 #include "double_double.hpp"
 #include "exact_number.hpp"
+#include "precise_vector.hpp"
 #include "roots.hpp"
 #include "scale.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
-
-/// Vector in double-double, whose components have an index: PreciseVector has names for them, and operators.
-using RefinedVector = std::array<DoubleDouble, 3>;
 
 /// Returns true if each number of some vectors is 0 or at least 2^-300 of their largest. Times a power of two
 /// with which the largest is at least 2^-102, no digit of them or of their differences is then below 2^-454,
@@ -40,15 +38,10 @@ using RefinedVector = std::array<DoubleDouble, 3>;
   return !((is_small(vectors.x) | is_small(vectors.y) | is_small(vectors.z)) | ...);
 }
 
-/// Returns b − a exactly.
-[[nodiscard]] inline RefinedVector refined_difference(const Vec3& b, const Vec3& a) {
-  return {two_sum(b.x, -a.x), two_sum(b.y, -a.y), two_sum(b.z, -a.z)};
-}
-
 /// Returns u × v, each component with an error of at most 2^-104 of itself: the products are exact if they do
 /// not underflow (are_commensurate), and their difference is rounded by 3u² + 13u³. Hence a component is 0
 /// only if the exact one is.
-[[nodiscard]] inline RefinedVector cross_product(const Vec3& u, const Vec3& v) {
+[[nodiscard]] inline PreciseVector cross_product(const Vec3& u, const Vec3& v) {
   const auto component = [&](int j, int k) { return two_product(u[j], v[k]) - two_product(u[k], v[j]); };
   return {component(1, 2), component(2, 0), component(0, 1)};
 }
@@ -116,25 +109,25 @@ namespace detail {
 /// components are 0 or above 2^-500, and terms of the distance above 2^-801: with 2^-106 of them, their last
 /// digits are far above 2^-1074, and nothing underflows.
 [[nodiscard]] inline std::optional<PlaneEquation> refined_plane_at(const Point& position,
-                                                                   const RefinedVector& n, double error) {
-  const auto size = [&](std::size_t i) { return std::abs(n[i].hi); };
-  std::size_t k = 0;
-  for (std::size_t i = 1; i < 3; ++i) {
+                                                                   const PreciseVector& n, double error) {
+  const auto size = [&](int i) { return std::abs(n[i].hi); };
+  int k = 0;
+  for (int i = 1; i < 3; ++i) {
     if (error != 0 && std::abs(size(i) - size(k)) <= 0x1p-50 * size(k)) return std::nullopt;
     if (size(i) > size(k)) k = i;
   }
   if (!(size(k) > 0x1p-200)) return std::nullopt;
   error = std::max(error, 0x1p-100);
   PlaneEquation equation;
-  const auto is_rounded = [&](std::size_t i, DoubleDouble q, double uncertain) {
-    equation[i] = q.hi;
+  const auto is_rounded = [&](int i, DoubleDouble q, double uncertain) {
+    equation[static_cast<std::size_t>(i)] = q.hi;
     if (q.hi != 0 && !(std::abs(q.hi) > 0x1p-300)) return false;
     return q.hi + (q.lo + uncertain) == q.hi && q.hi + (q.lo - uncertain) == q.hi;
   };
   DoubleDouble distance;
   double terms = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const DoubleDouble q = two_digits(n[i], n[k]), term = n[i] * position[static_cast<int>(i)];
+  for (int i = 0; i < 3; ++i) {
+    const DoubleDouble q = two_digits(n[i], n[k]), term = n[i] * position[i];
     if (!is_rounded(i, q, error * std::abs(q.hi))) return std::nullopt;
     distance = distance + term;
     terms += std::abs(term.hi);
@@ -148,28 +141,26 @@ namespace detail {
 /// must not underflow, have errors of 5u², and their difference 3u²: 8u² = 2^-103 of the magnitudes of both.
 /// For doubles, such as differences of floats, the faster cross_product is used, and cancellation does no
 /// harm.
-[[nodiscard]] inline std::optional<RefinedVector> refined_cross_product(const RefinedVector& u,
-                                                                        const RefinedVector& v) {
-  const auto are_doubles = [](const RefinedVector& x) {
-    return std::all_of(x.begin(), x.end(), [](const DoubleDouble& a) { return a.lo == 0; });
-  };
+[[nodiscard]] inline std::optional<PreciseVector> refined_cross_product(const PreciseVector& u,
+                                                                        const PreciseVector& v) {
+  const auto are_doubles = [](const PreciseVector& a) { return a.x.lo == 0 && a.y.lo == 0 && a.z.lo == 0; };
   if (are_doubles(u) && are_doubles(v))
-    return cross_product({u[0].hi, u[1].hi, u[2].hi}, {v[0].hi, v[1].hi, v[2].hi});
-  RefinedVector n;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
-    const DoubleDouble one = u[j] * v[k], other = u[k] * v[j];
-    n[i] = one - other;
+    return cross_product({u.x.hi, u.y.hi, u.z.hi}, {v.x.hi, v.y.hi, v.z.hi});
+  bool cancels = false;
+  const auto component = [&](int j, int k) {
+    const DoubleDouble one = u[j] * v[k], other = u[k] * v[j], difference = one - other;
     const double terms = std::abs(one.hi) + std::abs(other.hi);
-    if (terms != 0 && !(std::abs(n[i].hi) > 0x1p-20 * terms)) return std::nullopt;
-  }
-  return n;
+    cancels = cancels || (terms != 0 && !(std::abs(difference.hi) > 0x1p-20 * terms));
+    return difference;
+  };
+  const PreciseVector n{component(1, 2), component(2, 0), component(0, 1)};
+  return cancels ? std::nullopt : std::optional(n);
 }
 
 /// Returns u × v, times a power of two, each component with an error of at most 2^-104 of itself, if it is
 /// known so well. Of vectors of moderate size it is if all numbers are 0 or at least 2^-400, and so all
 /// digits of products at least 2^-906: a test of these takes less time.
-[[nodiscard]] inline std::optional<RefinedVector> refined_normal_along(const Vec3& u, const Vec3& v) {
+[[nodiscard]] inline std::optional<PreciseVector> refined_normal_along(const Vec3& u, const Vec3& v) {
   if (is_of_moderate_size(u) && is_of_moderate_size(v)) [[likely]] {
     const auto is_tiny = [](double x) { return (x != 0) & (std::abs(x) < 0x1p-400); };
     if (is_tiny(u.x) | is_tiny(u.y) | is_tiny(u.z) | is_tiny(v.x) | is_tiny(v.y) | is_tiny(v.z))
@@ -183,7 +174,7 @@ namespace detail {
 /// Returns the equation of the plane through a point with a given normal, whose components have relative
 /// errors of at most `error`; without rounding it is exact_normal().
 [[nodiscard, gnu::noinline]] PlaneEquation rounded_plane_at(const Point& position,
-                                                            const std::optional<RefinedVector>& normal,
+                                                            const std::optional<PreciseVector>& normal,
                                                             double error, const auto& exact_normal) {
   if (normal && are_commensurate(position)) {
     const int lengths = exponent_of({position});
@@ -222,10 +213,10 @@ namespace detail {
 
 /// Returns the equation of the plane through a point perpendicular to a normal, which must not be 0.
 [[nodiscard]] inline PlaneEquation plane_at(const Point& position, const Vec3& normal) {
-  std::optional<RefinedVector> refined;
+  std::optional<PreciseVector> refined;
   if (are_commensurate(normal)) {
     const Vec3 n = of_moderate_size(normal);
-    refined = RefinedVector{n.x, n.y, n.z};
+    refined = PreciseVector(n);
   }
   return detail::rounded_plane_at(position, refined, 0, [&] { return exact_vector(normal); });
 }
@@ -239,13 +230,11 @@ namespace detail {
 
 /// Returns (b − a) × (c − a), times a power of two, each component with an error of at most 2^-82 of itself,
 /// if it is known so well.
-[[nodiscard]] inline std::optional<RefinedVector> refined_normal(const Point& a, const Point& b,
+[[nodiscard]] inline std::optional<PreciseVector> refined_normal(const Point& a, const Point& b,
                                                                  const Point& c) {
   if (!are_commensurate(a, b, c)) return std::nullopt;
   const int exponent = exponent_of({a, b, c});
-  const Point from = scaled(a, -exponent);
-  return refined_cross_product(refined_difference(scaled(b, -exponent), from),
-                               refined_difference(scaled(c, -exponent), from));
+  return refined_cross_product(scaled_difference(b, a, -exponent), scaled_difference(c, a, -exponent));
 }
 
 /// Returns the unit vector along a vector without rounding; NaN if it is 0.
@@ -261,9 +250,9 @@ namespace detail {
 }
 
 /// Returns the unit vector along a refined vector, if there is one and it is not 0, otherwise along exact().
-[[nodiscard]] inline Vec3 unit_along(const std::optional<RefinedVector>& n, const auto& exact) {
+[[nodiscard]] inline Vec3 unit_along(const std::optional<PreciseVector>& n, const auto& exact) {
   if (n) {
-    const Vec3 unit = normalize(of_moderate_size({(*n)[0].hi, (*n)[1].hi, (*n)[2].hi}));
+    const Vec3 unit = normalize(of_moderate_size({n->x.hi, n->y.hi, n->z.hi}));
     if (is_finite(unit)) return unit;
   }
   return exact_unit_along(exact());

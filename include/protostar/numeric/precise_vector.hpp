@@ -18,6 +18,9 @@ struct PreciseVector {
       : x(first), y(second), z(third) {}
   explicit PreciseVector(const Vec3& v) : x(v.x), y(v.y), z(v.z) {}
 
+  /// Returns the component on axis i: 0 is x, 1 is y, 2 is z.
+  [[nodiscard]] const DoubleDouble& operator[](int i) const { return i == 0 ? x : i == 1 ? y : z; }
+
   /// Returns the vector with each component rounded to double.
   [[nodiscard]] Vec3 rounded() const {
     return {static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
