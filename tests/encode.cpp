@@ -185,7 +185,7 @@ TEST_CASE("a gamma exponent that is not finite and greater than 0 is refused") {
   constexpr double huge = std::numeric_limits<double>::infinity();
   for (const double bad : {0.0, -0.0, -1.0, huge, -huge, std::numeric_limits<double>::quiet_NaN()})
     CHECK_THAT(message_of<std::invalid_argument>([&] { Encoder(Gamma{bad}, 255); }),
-               ContainsSubstring("Gamma: exponent"));
+               ContainsSubstring("Encoder: gamma must be finite and greater than 0; it is "));
 }
 
 TEST_CASE("the maximum code of an encoder is from 1 to 65535") {

@@ -8,11 +8,13 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <variant>
 
 #include "bit_cast.hpp"
 #include "numeric/power.hpp"
 #include "plain_vector.hpp"
+#include "shown.hpp"
 #include "vec3.hpp"
 
 namespace protostar::inline PROTOSTAR_ABI {
@@ -30,6 +32,19 @@ struct Gamma {
 
 /// Transfer curve from linear light to the numbers in a file.
 using Transfer = std::variant<Srgb, Linear, Gamma>;
+
+namespace detail {
+
+/// Throws std::invalid_argument, which names the caller, if a transfer is a gamma that is not finite and
+/// greater than 0.
+inline void require_exponent(const std::string& caller, const Transfer& transfer) {
+  if (const auto* gamma = std::get_if<Gamma>(&transfer);
+      gamma && !(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
+    throw std::invalid_argument(caller + ": gamma must be finite and greater than 0; it is " +
+                                shown(gamma->exponent));
+}
+
+}  // namespace detail
 
 /// Light that a transfer encodes as one value in [0, 1]: the number whose root-th power is (p/q)^power, all
 /// of them exact.
@@ -85,9 +100,7 @@ class Encoder {
   Encoder(const Transfer& transfer, int max_code) {
     if (max_code < 1 || max_code > 65535 || max_code % 2 == 0)  // see smallest_float_from
       throw std::invalid_argument("Encoder: max_code must be an odd number from 1 to 65535");
-    if (const auto* gamma = std::get_if<Gamma>(&transfer))
-      if (!(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
-        throw std::invalid_argument("Gamma: exponent must be finite and greater than 0");
+    detail::require_exponent("Encoder", transfer);
     for (int code = 1; code <= max_code; ++code)
       thresholds_.push_back(smallest_float_from(decode(transfer, 2 * code - 1, 2 * max_code)));
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 #include "image.hpp"
 #include "shown.hpp"
@@ -18,13 +19,22 @@ enum class Tone {
   scale_image,  ///< the image is divided by its largest channel, if that is above 0
 };
 
-/// Multiplies all light by a factor, and clamps it to the largest float. Throws std::invalid_argument unless
-/// the factor is from 0 to the largest float: a larger one would be infinite as a float, and black times it
-/// NaN.
-inline void expose(Image& image, double exposure) {
+namespace detail {
+
+/// Throws std::invalid_argument, which names the caller, unless an exposure is from 0 to the largest float: a
+/// larger one would be infinite as a float, and black times it NaN.
+inline void require_exposure(const std::string& caller, double exposure) {
   if (!(exposure >= 0 && exposure <= std::numeric_limits<float>::max()))
-    throw std::invalid_argument("expose: exposure must be from 0 to 3.4e38, the largest float; it is " +
+    throw std::invalid_argument(caller + ": exposure must be from 0 to 3.4e38, the largest float; it is " +
                                 shown(exposure));
+}
+
+}  // namespace detail
+
+/// Multiplies all light by a factor, and clamps it to the largest float. Throws std::invalid_argument unless
+/// the factor is from 0 to the largest float.
+inline void expose(Image& image, double exposure) {
+  detail::require_exposure("expose", exposure);
   if (exposure == 1) return;
   const auto factor = static_cast<float>(exposure);
   for (int y = 0; y < image.height(); ++y)

@@ -1,9 +1,6 @@
 // Finish: how the light of a picture becomes the numbers of its file.
 #pragma once
 
-#include <cmath>
-#include <limits>
-#include <stdexcept>
 #include <string>
 #include <variant>
 
@@ -24,13 +21,8 @@ struct Finish {
   /// Throws std::invalid_argument unless the exposure is a factor that expose takes, and a gamma one that
   /// Encoder takes.
   void validate() const {
-    if (!(exposure >= 0 && exposure <= std::numeric_limits<float>::max()))
-      throw std::invalid_argument("Finish: exposure must be from 0 to 3.4e38, the largest float; it is " +
-                                  shown(exposure));
-    if (const auto* gamma = std::get_if<Gamma>(&transfer);
-        gamma && !(gamma->exponent > 0 && std::isfinite(gamma->exponent)))
-      throw std::invalid_argument("Finish: gamma must be finite and greater than 0; it is " +
-                                  shown(gamma->exponent));
+    detail::require_exposure("Finish", exposure);
+    detail::require_exponent("Finish", transfer);
   }
 
   /// Returns a description such as "exposure 1, tone clip, transfer srgb"; finishes that differ have
