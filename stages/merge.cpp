@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     const auto merge = parse_merge_options(argc, argv, program, status);
     if (!merge) return std::nullopt;
     const Shard shard = merge_shards({merge->shards.begin(), merge->shards.end()});
-    film = shard.film();
+    film = shard.film(merge->shards.size());
     finish = shard.picture().finish;
 
     Options options = merge->options;

@@ -281,6 +281,30 @@ TEST_CASE("any partition, merged in any order, gives the same bytes") {
   CHECK(wrong == 0);
 }
 
+TEST_CASE("the sum of some shards tells which are missing, unless several numbers of shards are possible") {
+  Random random(31);
+  WrongCases wrong;
+  int told = 0;
+  for (int trial = 0; trial < 2000; ++trial) {
+    SharedPicture picture = picture_of(1, static_cast<int>(1 + random.bits() % 200),
+                                       static_cast<std::uint32_t>(1 + random.bits() % 40));
+    const std::uint64_t n = 1 + random.bits() % picture.units();
+    UnitSet units;
+    std::vector<std::uint64_t> lost;
+    for (std::uint64_t i = 0; i < n; ++i)
+      if (random.bits() % 4 == 0)
+        lost.push_back(i);
+      else
+        units.add(picture.units_of(i, n));
+    const auto missing = Shard(picture, units, {}).missing_shards(n - lost.size());
+    const bool is_told = missing.of == n && missing.numbers == lost;
+    wrong.add(!is_told && (missing.of != 0 || !missing.numbers.empty()), trial, n, picture.units());
+    told += is_told && !lost.empty();
+  }
+  CHECK(wrong == 0);
+  CHECK(told > 1000);
+}
+
 TEST_CASE("a missing or doubled unit is an error that names it, and nothing is merged") {
   const SharedPicture picture = picture_of(3, 8, 6);  // 2 bands of 2 blocks
   Shard first = drawn(picture, UnitRange{0, 2});
@@ -288,6 +312,18 @@ TEST_CASE("a missing or doubled unit is an error that names it, and nothing is m
   CHECK(first.missing() == 2);
   CHECK(message_of<std::runtime_error>([&] { return first.film(); }) ==
         "unit 2 (rows 4 to 7, samples 0 to 2) is missing; 2 of 4 units are there");
+  CHECK(message_of<std::runtime_error>([&] { return first.film(1); }) ==  // shard 0 of 2 or of 3
+        "unit 2 (rows 4 to 7, samples 0 to 2) is missing; 2 of 4 units are there");
+  CHECK(message_of<std::runtime_error>([&] { return first.film(2); }) ==
+        "unit 2 (rows 4 to 7, samples 0 to 2) is missing; 2 of 4 units are there; missing: --shard 2/4, 3/4");
+  CHECK(message_of<std::runtime_error>([&] { return Shard(picture).film(0); }) ==
+        "unit 0 (rows 0 to 3, samples 0 to 2) is missing; 0 of 4 units are there");
+  const SharedPicture bands = picture_of(1, 400, 1);
+  Shard two = drawn(bands, UnitRange{0, 1});
+  two.merge(drawn(bands, UnitRange{8, 9}));
+  CHECK_THAT(message_of<std::runtime_error>([&] { return two.film(2); }),
+             ContainsSubstring("; missing: --shard 1/100, 2/100, 3/100, 4/100, 5/100, 6/100, 7/100, 9/100, "
+                               "10/100, 11/100 and 88 more"));
   CHECK(first.sums()(0, 0).count() == 6);
   CHECK(first.sums()(0, 4).count() == 0);
 

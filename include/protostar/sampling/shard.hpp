@@ -146,6 +146,14 @@ struct SharedPicture {
     return {first(i), first(i + 1)};
   }
 
+  /// Returns how many of n shards are in front of a unit; nullopt if the unit is not the first of a shard.
+  /// Precondition: 1 ≤ n ≤ units().
+  [[nodiscard]] std::optional<std::uint64_t> shards_before(std::uint64_t unit, std::uint64_t n) const {
+    const std::uint64_t each = units() / n, more = units() % n, larger = more * (each + 1);
+    const std::uint64_t i = unit < larger ? unit / (each + 1) : more + (unit - larger) / each;
+    return i == n || units_of(i, n).first == unit ? std::optional(i) : std::nullopt;
+  }
+
   /// Returns a unit in words: unit 17 (rows 16 to 31, samples 0 to 15).
   [[nodiscard]] std::string text_of(std::uint64_t number) const {
     const WorkUnit found = unit(number);
@@ -295,13 +303,52 @@ class Shard {
   /// Returns the first unit that is missing; nullopt if the picture is complete.
   [[nodiscard]] std::optional<std::uint64_t> missing() const { return units_.missing({0, picture_.units()}); }
 
-  /// Returns the sums of the picture's area. Throws std::runtime_error, which names the first missing unit,
-  /// unless all units are there.
-  [[nodiscard]] Film film() const {
-    if (const auto unit = missing())
-      throw std::runtime_error(picture_.text_of(*unit) + " is missing; " + std::to_string(units_.count()) +
-                               " of " + std::to_string(picture_.units()) + " units are there");
-    return sums();
+  /// Returns the numbers of the shards that are missing, and the number of all, if this is the sum of `parts`
+  /// shards that differ by one unit at most (SharedPicture::units_of); no numbers if another number of shards
+  /// is possible as well, or none is.
+  struct MissingShards {
+    std::vector<std::uint64_t> numbers = {};
+    std::uint64_t of = 0;
+  };
+  [[nodiscard]] MissingShards missing_shards(std::uint64_t parts) const {
+    std::vector<UnitRange> gaps;
+    std::uint64_t first = 0;
+    for (const auto& [begin, end] : units_.ranges()) {
+      if (first < begin) gaps.push_back({first, begin});
+      first = end;
+    }
+    if (first < picture_.units()) gaps.push_back({first, picture_.units()});
+
+    MissingShards missing;
+    const std::uint64_t most = std::min(picture_.units(), parts + (picture_.units() - units_.count()));
+    for (std::uint64_t n = parts + 1; n <= most; ++n) {
+      std::vector<std::uint64_t> numbers;
+      const bool are_shards = std::all_of(gaps.begin(), gaps.end(), [&](const UnitRange& gap) {
+        const auto begin = picture_.shards_before(gap.first, n), end = picture_.shards_before(gap.last, n);
+        if (!begin || !end) return false;
+        for (std::uint64_t i = *begin; i < *end; ++i) numbers.push_back(i);
+        return true;
+      });
+      if (!are_shards || numbers.size() != n - parts) continue;
+      if (missing.of != 0) return {};
+      missing = {std::move(numbers), n};
+    }
+    return missing;
+  }
+
+  /// Returns the sums of the picture's area. Throws std::runtime_error unless all units are there, which
+  /// names the first missing unit and, if this is the sum of `parts` shards that tell it, the missing shards.
+  [[nodiscard]] Film film(std::uint64_t parts = 0) const {
+    const auto unit = missing();
+    if (!unit) return sums();
+    std::string text = picture_.text_of(*unit) + " is missing; " + std::to_string(units_.count()) + " of " +
+                       std::to_string(picture_.units()) + " units are there";
+    const MissingShards lost = missing_shards(parts);
+    for (std::size_t i = 0; i < lost.numbers.size() && i < 10; ++i)
+      text += (i == 0 ? "; missing: --shard " : ", ") + std::to_string(lost.numbers[i]) + "/" +
+              std::to_string(lost.of);
+    if (lost.numbers.size() > 10) text += " and " + std::to_string(lost.numbers.size() - 10) + " more";
+    throw std::runtime_error(text);
   }
 
   /// Returns the sums so far: pixels of missing units have fewer samples, or none. They tell an error unless
