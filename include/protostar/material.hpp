@@ -62,13 +62,14 @@ class NormalMap {
 /// shininess (sampling/glossy_lobes.hpp).
 enum class Blur { ggx, phong };
 
-/// Emission, reflection and refraction of a surface. The radiance that leaves a point is
+/// Emission, reflection and refraction of a surface. By WhittedIntegrator the radiance that leaves a point is
 ///   emission + Σ over the lights (diffuse · E + specular · E⊥ · cos(r, v)^shininess)
 ///     + reflect · (radiance from the mirror direction) + refract · (radiance from the refracted direction)
-///     + the glossy lobe's reflection of the radiance from all directions
 /// with the irradiance E of a light and E⊥ without its cosine, and the angle between the mirror image r of
 /// the direction to the light and the direction v to the eye (Phong). There are no other weights: the
-/// materials of different ray tracers differ in their numbers alone.
+/// materials of different ray tracers differ in their numbers alone. The comment of each other integrator has
+/// its equation. DirectIntegrator and PathIntegrator take diffuse as the albedo, so that it reflects
+/// diffuse/π · E, leave specular out and add the glossy lobe's reflection.
 struct Material {
   Color diffuse{0};           ///< share of irradiance that is reflected alike in all directions
   Texture texture = {};       ///< replaces diffuse if it is not empty

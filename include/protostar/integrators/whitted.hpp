@@ -31,9 +31,10 @@ inline thread_local std::int64_t whitted_rays_left = 0;
 
 }  // namespace detail
 
-/// Integrator of Material's equation: the emission, the light from lights that are not occluded, and the
-/// radiance from the mirror direction and the refracted direction, by rays of their own (Whitted 1980, "An
-/// Improved Illumination Model for Shaded Display"). The sky, or black, if there is no hit.
+/// Integrator of the equation at Material, without glossy lobes: the emission, the light from lights that are
+/// not occluded, and the radiance from the mirror direction and the refracted direction, by rays of their own
+/// (Whitted 1980, "An Improved Illumination Model for Shaded Display"). The sky, or black, if there is no
+/// hit.
 struct WhittedIntegrator {
   using TakesPackets = WhittedIntegrator;  ///< takes packets as well as rays (accel/packet.hpp)
 
