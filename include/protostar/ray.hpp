@@ -108,7 +108,9 @@ struct RayTransform;
 
 /// Points origin + t · direction (§2.2.3). The direction may have any length other than 0; if it is a unit
 /// vector, as for camera rays, t is a distance in scene units. A ray whose direction is 0 or whose numbers
-/// are not finite crosses nothing.
+/// are not finite crosses nothing. Crossings are right for any length. An integrator needs one from 2^-400 to
+/// 2^500: it normalizes the direction, of which the square has to be in the range of double, and the t of
+/// points is limited (most_t).
 struct Ray {
   using Light = Color;  ///< type of radiance (Color, or Colors for packets), not a light source
 
