@@ -14,7 +14,8 @@ namespace protostar::inline PROTOSTAR_ABI {
 /// the center, with sin σ = R/d; from inside, all directions.
 ///
 /// With s = (R/d)², the height of the cap is 1 − cos σ = s/(1 + √(1 − s)). 1 − s = (d² − R²)/d² is computed
-/// in double-double, so it has digits also for a point close to the sphere. Relative errors are below 8u.
+/// in double-double, so it has digits also for a point close to the sphere. Relative errors are below 8u for
+/// solid angles above 2^-1018; smaller ones lose digits, and the smallest count as 0.
 class SphereView {
  public:
   /// Prepares the view from a point. The radius is not 0; a negative one counts as its magnitude.
