@@ -31,8 +31,8 @@ inline void require_exposure(const std::string& caller, double exposure) {
 
 }  // namespace detail
 
-/// Multiplies all light by a factor, and clamps it to the largest float. Throws std::invalid_argument unless
-/// the factor is from 0 to the largest float.
+/// Multiplies all light by a factor, and clamps it to the largest float; a factor of 1 leaves the image as it
+/// is, with what is infinite. Throws std::invalid_argument unless the factor is from 0 to the largest float.
 inline void expose(Image& image, double exposure) {
   detail::require_exposure("expose", exposure);
   if (exposure == 1) return;
