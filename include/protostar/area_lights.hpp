@@ -4,7 +4,8 @@
 // sides and alike in all directions. A ray that hits it sees L_e, whatever the surface is. Spheres,
 // parallelograms, disks, triangles and meshes also light other surfaces, at rest or Moving, and in AnySurface
 // too: directions to them can be drawn. No directions are drawn to other surfaces with an emission (planes,
-// boxes, quadrics, instances, solids of several): only PathIntegrator finds their light.
+// boxes, quadrics, instances, solids of several): only directions that a surface draws find their light,
+// those of PathIntegrator and of a glossy lobe in DirectIntegrator.
 #pragma once
 
 #include <algorithm>
@@ -137,9 +138,10 @@ class AreaLight {
   }
 
   /// Returns the irradiance that the light would bring with radiance 1 to a hit, by its shading normal, if
-  /// nothing were between: from 0 to π. Triangles of a mesh do not hide each other either. A closed mesh is
-  /// seen through twice, by triangles that turn their outside to the point and by such that turn their inside
-  /// to it; the larger sum of the two counts, which is right for a convex mesh, from outside and from inside.
+  /// nothing were between: from 0 to π, or more for a mesh some of whose triangles are behind each other, as
+  /// these do not hide each other either. A closed mesh is seen through twice, by triangles that turn their
+  /// outside to the point and by such that turn their inside to it; the larger sum of the two counts, which
+  /// is right for a convex mesh, from outside and from inside.
   [[nodiscard]] double unoccluded_irradiance(const Intersection& hit) const {
     const Vec3 normal = hit.facing_normal();
     const Point at_rest = motion_.at_rest(hit.point(), hit.time());
