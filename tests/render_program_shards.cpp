@@ -233,6 +233,27 @@ TEST_CASE("the state of the work is saved if a signal comes while the picture is
   CHECK(has_all_units(folder / "state"));
 }
 
+TEST_CASE("the state of the work is saved if nobody reads on from the pipe of the picture") {
+  const TemporaryFolder folder;
+  const std::string pipe = (folder / "pipe").string();
+  REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
+  const std::string options = " --size 320x240 --samples 2 --quiet -o pipe";
+  const auto outcome_of = [&](const std::string& more) {
+    Process process(stage("render", words(scene_path("three_spheres") + options + more), folder / ""));
+    const int reader = open(pipe.c_str(), O_RDONLY);
+    char byte = 0;
+    CHECK(read(reader, &byte, 1) == 1);  // the rest is more than a pipe holds
+    close(reader);
+    return process.wait();
+  };
+  CHECK(outcome_of("").status == -SIGPIPE);
+  const Outcome kept = outcome_of(" --checkpoint state");
+  CHECK(kept.status == 1);
+  CHECK(kept.err == cannot_write("render", "pipe", EPIPE));
+  CHECK(fs::exists(folder / "state"));
+  CHECK(has_all_units(folder / "state"));
+}
+
 TEST_CASE("a checkpoint that is no file to be replaced is refused at once") {
   const TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "pipe").c_str(), 0600) == 0);

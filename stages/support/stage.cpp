@@ -303,7 +303,11 @@ int run_program(int argc, char** argv,
             "at once, and what it leaves of a file the next run removes");
       if (options->timeout > 0)
         interrupt.set_timeout(options->timeout, error_line(program, timeout_text(*options)));
-      if (!options->checkpoint.empty()) interrupt.set_grace(std::chrono::seconds(10));
+      if (!options->checkpoint.empty()) {
+        interrupt.set_grace(std::chrono::seconds(10));
+        std::signal(SIGPIPE,
+                    SIG_IGN);  // a pipe that nobody reads on then causes an error: the state is saved
+      }
       Stage stage(*options, interrupt.token());
       draw(stage);
       if (interrupt.came()) return interrupt.status();
