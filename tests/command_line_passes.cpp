@@ -58,6 +58,20 @@ TEST_CASE("the option --noise goes with a number of samples too") {
   CHECK(bytes_of(folder / "n.pfm").starts_with("PF\n32 24\n"));
 }
 
+TEST_CASE("the picture is written if the standard errors cannot be") {
+  if (!std::filesystem::exists("/dev/full")) {
+    WARN("not tested: this system has no /dev/full");
+    return;
+  }
+  const TemporaryFolder folder;
+  std::filesystem::create_symlink("/dev/full", folder / "n.pfm");
+  const Outcome outcome = run_stage("13_whitted", "--size 32x24 --samples 4 --noise n.pfm -o a.ppm", folder);
+  CHECK(outcome.status == 1);
+  CHECK_THAT(outcome.err, ContainsSubstring("cannot write 'n.pfm'"));
+  CHECK(bytes_of(folder / "a.ppm") ==
+        stage_picture("13_whitted", "--size 32x24 --samples 4 --sampler sobol"));
+}
+
 TEST_CASE("a stage with --time says with what options it draws the same bytes, and does so with these") {
   const auto& [stage, options] =
       GENERATE(std::pair{"13_whitted", ""}, std::pair{"13_whitted", " --sampler halton --filter tent"},

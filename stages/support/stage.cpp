@@ -181,11 +181,6 @@ std::string Stage::write(const Image& image) {
     report_.is_met = true;
     standard_error_ = Image(image.width(), image.height());
   }
-  if (options_.in_passes() && !told_passes_ && !options_.noise.empty()) {
-    if (options_.draws_more())
-      standard_error_ = part_of(standard_error_, options_.crop, options_.width, options_.height);
-    save_pfm(standard_error_, options_.noise, stop_);
-  }
   const std::string units = shared_ ? save_shared() : std::string();
   if (options_.shard) {
     // The shard is the file.
@@ -196,6 +191,11 @@ std::string Stage::write(const Image& image) {
     if (!options_.is_linear()) apply(options_.tone, toned);
     if (options_.draws_more()) toned = part_of(toned, options_.crop, options_.width, options_.height);
     write_picture(toned, options_, stop_);
+  }
+  if (options_.in_passes() && !told_passes_ && !options_.noise.empty()) {
+    if (options_.draws_more())
+      standard_error_ = part_of(standard_error_, options_.crop, options_.width, options_.height);
+    save_pfm(standard_error_, options_.noise, stop_);
   }
   return units;
 }
@@ -305,8 +305,8 @@ int run_program(int argc, char** argv,
         interrupt.set_timeout(options->timeout, error_line(program, timeout_text(*options)));
       if (!options->checkpoint.empty()) {
         interrupt.set_grace(std::chrono::seconds(10));
-        std::signal(SIGPIPE,
-                    SIG_IGN);  // a pipe that nobody reads on then causes an error: the state is saved
+        // Writing into a pipe that nobody reads on is then an error, after which the state is saved.
+        std::signal(SIGPIPE, SIG_IGN);
       }
       Stage stage(*options, interrupt.token());
       draw(stage);
