@@ -96,7 +96,6 @@ const std::set<std::string> on_demand = {
     "integrators/unoccluded.hpp",
     "irradiance.hpp",
     "lobes.hpp",
-    "numeric/precise_vector.hpp",
     "sampling/disk_view.hpp",
     "sampling/glossy_lobes.hpp",
     "sampling/light_sample.hpp",
