@@ -305,6 +305,23 @@ TEST_CASE("the sum of some shards tells which are missing, unless several number
   CHECK(told > 1000);
 }
 
+TEST_CASE("the missing shards of pictures of the most units are told in no time, or not told") {
+  SharedPicture picture = picture_of(1, 1 << 24, 1);
+  picture.rows_in_unit = 16;
+  CHECK(picture.units() == SharedPicture::most_units);
+  UnitSet half;
+  half.add(picture.units_of(1, 2));
+  const auto missing = Shard(picture, half, {}).missing_shards(1);
+  CHECK(missing.of == 2);
+  CHECK(missing.numbers == std::vector<std::uint64_t>{0});
+
+  picture.rows_in_unit = 1, picture.samples_in_unit = 1;
+  picture.samples = 1 << 24;  // of a file that no program wrote
+  UnitSet one;
+  one.add({5, 6});
+  CHECK(Shard(picture, one, {}).missing_shards(1).of == 0);
+}
+
 TEST_CASE("a missing or doubled unit is an error that names it, and nothing is merged") {
   const SharedPicture picture = picture_of(3, 8, 6);  // 2 bands of 2 blocks
   Shard first = drawn(picture, UnitRange{0, 2});

@@ -4,8 +4,8 @@
 // sides and alike in all directions. A ray that hits it sees L_e, whatever the surface is. Spheres,
 // parallelograms, disks, triangles and meshes also light other surfaces, at rest or Moving, and in AnySurface
 // too: directions to them can be drawn. No directions are drawn to other surfaces with an emission (planes,
-// boxes, quadrics, instances, solids of several): only directions that a surface draws find their light,
-// those of PathIntegrator and of a glossy lobe in DirectIntegrator.
+// boxes, quadrics, instances, solids of several): only rays in directions into which a material scatters find
+// their light, those of PathIntegrator and of glossy lobes in DirectIntegrator.
 #pragma once
 
 #include <algorithm>

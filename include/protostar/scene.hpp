@@ -315,7 +315,7 @@ class Scene<S...> {
   /// Returns the number of surfaces.
   [[nodiscard]] std::size_t size() const { return (std::size_t{0} + ... + surfaces<S>().size()); }
 
-  /// Returns the surfaces of one of the scene's types, or their materials, first added first.
+  /// Returns the surfaces of one of the scene's types, or their materials, in the order of addition.
   template <class T>
   [[nodiscard]] const SceneVector<T>& surfaces() const {
     return group<T>().surfaces;

@@ -32,6 +32,10 @@ class Interrupt {
   /// Gives the work so much time to end after a stop was requested. Call it before the work begins.
   void set_grace(std::chrono::milliseconds grace) { grace_ = grace; }
 
+  /// Makes it an error (EPIPE) to write into a pipe that nobody reads, in place of a signal that ends the
+  /// process. It stays so after the lifetime of the Interrupt.
+  static void ignore_broken_pipes() { std::signal(SIGPIPE, SIG_IGN); }
+
   /// Returns true if the listener runs, so that signals request a stop.
   bool listens() const { return listener_.joinable(); }
 

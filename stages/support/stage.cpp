@@ -305,8 +305,7 @@ int run_program(int argc, char** argv,
         interrupt.set_timeout(options->timeout, error_line(program, timeout_text(*options)));
       if (!options->checkpoint.empty()) {
         interrupt.set_grace(std::chrono::seconds(10));
-        // Writing into a pipe that nobody reads on is then an error, after which the state is saved.
-        std::signal(SIGPIPE, SIG_IGN);
+        Interrupt::ignore_broken_pipes();  // an error in place of a signal, after which the state is saved
       }
       Stage stage(*options, interrupt.token());
       draw(stage);

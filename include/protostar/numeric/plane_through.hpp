@@ -249,7 +249,8 @@ namespace detail {
   return normalize(Vec3{nearest(n[0]), nearest(n[1]), nearest(n[2])});
 }
 
-/// Returns the unit vector along a refined vector, if there is one and it is not 0, otherwise along exact().
+/// Returns the unit vector along a vector in double-double, if there is one and it is not 0, otherwise along
+/// exact().
 [[nodiscard]] inline Vec3 unit_along(const std::optional<PreciseVector>& n, const auto& exact) {
   if (n) {
     const Vec3 unit = normalize(of_moderate_size({n->x.hi, n->y.hi, n->z.hi}));

@@ -61,6 +61,7 @@ struct SharedPicture {
   std::uint32_t samples_in_unit = 16;       ///< samples of a block; the last one may have fewer
 
   static constexpr std::size_t longest_text = 4096;  ///< bytes of a name, a fingerprint or a version
+  static constexpr std::uint64_t most_units = std::uint64_t{1} << 20;  ///< after cut()
 
   /// Throws std::invalid_argument for sizes and numbers that no picture has.
   void validate() const {
@@ -86,7 +87,7 @@ struct SharedPicture {
 
   /// Sets rows_in_unit and samples_in_unit. Units are halved until there are 1024 of them, as long as each
   /// has more than 2^16 samples of pixels, or 64 of them, as long as each has more than 2^9. There are at
-  /// most 2^20 units.
+  /// most most_units.
   void cut() {
     rows_in_unit = 16, samples_in_unit = 16;
     const auto samples_of_unit = [&] { return std::int64_t{area.width()} * rows_in_unit * samples_in_unit; };
@@ -97,7 +98,7 @@ struct SharedPicture {
       else
         samples_in_unit /= 2;
     }
-    while (units() > std::uint64_t{1} << 20) {
+    while (units() > most_units) {
       if (bands() > blocks())
         rows_in_unit *= 2;
       else
@@ -303,13 +304,15 @@ class Shard {
   /// Returns the first unit that is missing; nullopt if the picture is complete.
   [[nodiscard]] std::optional<std::uint64_t> missing() const { return units_.missing({0, picture_.units()}); }
 
-  /// Returns the numbers of the shards that are missing, and the number of all, if this is the sum of `parts`
-  /// shards that differ by one unit at most (SharedPicture::units_of); no numbers if another number of shards
-  /// is possible as well, or none is.
+  /// Numbers of the shards that are missing, and the number of all shards; of is 0 if these are not known.
   struct MissingShards {
     std::vector<std::uint64_t> numbers = {};
     std::uint64_t of = 0;
   };
+
+  /// Returns the missing shards of a picture of which `parts` shards have been merged. The number of all
+  /// shards is the only one for which each gap consists of whole shards (SharedPicture::units_of), as many as
+  /// `parts` leaves; it is not known if several numbers, or none, are possible.
   [[nodiscard]] MissingShards missing_shards(std::uint64_t parts) const {
     std::vector<UnitRange> gaps;
     std::uint64_t first = 0;
@@ -319,25 +322,27 @@ class Shard {
     }
     if (first < picture_.units()) gaps.push_back({first, picture_.units()});
 
+    const std::uint64_t lost_units = picture_.units() - units_.count();
+    const std::uint64_t most = std::min({picture_.units(), parts + lost_units, SharedPicture::most_units});
     MissingShards missing;
-    const std::uint64_t most = std::min(picture_.units(), parts + (picture_.units() - units_.count()));
     for (std::uint64_t n = parts + 1; n <= most; ++n) {
-      std::vector<std::uint64_t> numbers;
+      std::uint64_t count = 0;
       const bool are_shards = std::all_of(gaps.begin(), gaps.end(), [&](const UnitRange& gap) {
         const auto begin = picture_.shards_before(gap.first, n), end = picture_.shards_before(gap.last, n);
-        if (!begin || !end) return false;
-        for (std::uint64_t i = *begin; i < *end; ++i) numbers.push_back(i);
-        return true;
+        if (begin && end) count += *end - *begin;
+        return begin && end;
       });
-      if (!are_shards || numbers.size() != n - parts) continue;
+      if (!are_shards || count != n - parts) continue;
       if (missing.of != 0) return {};
-      missing = {std::move(numbers), n};
+      missing.of = n;
     }
+    for (std::uint64_t i = 0; i < missing.of; ++i)
+      if (!units_.contains(picture_.units_of(i, missing.of).first)) missing.numbers.push_back(i);
     return missing;
   }
 
-  /// Returns the sums of the picture's area. Throws std::runtime_error unless all units are there, which
-  /// names the first missing unit and, if this is the sum of `parts` shards that tell it, the missing shards.
+  /// Returns the sums of the picture's area. Throws std::runtime_error if units are missing: the message
+  /// names the first of them, and the missing shards if the number of merged ones, `parts`, tells which.
   [[nodiscard]] Film film(std::uint64_t parts = 0) const {
     const auto unit = missing();
     if (!unit) return sums();
